@@ -38,8 +38,8 @@ const STOPPED: Real = 1e-4;
 /// but who changes it in every step gets implicit Euler. Velocities of prescribed vertices do not count: steering a pin
 /// is no restart. Jumps of load or gravity are none either; the order is then lost for one step. What contact stops
 /// is: it starts again after a step in which new forces of contact have changed the kinetic energy by more than 10⁻⁴ of
-/// it. So nothing bounces with more than half of its speed, and cloth that slides and folds takes steps of implicit
-/// Euler.
+/// it and of what a step of free fall would give. So nothing bounces with more than half of its speed, and cloth that
+/// slides and folds takes steps of implicit Euler.
 ///
 /// Damping: drag and stiffness act at the end of the step, both with second order.
 ///
@@ -87,8 +87,22 @@ impl Bdf2 {
                 .all(|vertex| state.velocities[vertex] == velocities[vertex])
     }
 
+    /// The kinetic energy (J) that external forces alone would give in the step to what rests: with less, it does rest.
+    fn energy_of_fall(&self, input: &StepInput<'_>) -> Real {
+        if input.contacts.is_none() {
+            return 0.0;
+        }
+        let particles = &self.implicit.particles;
+        let both = particles.mass().iter().zip(particles.inverse_mass());
+        let energies = both.enumerate().map(|(vertex, (m, w))| {
+            let a = input.external_acceleration(vertex, *w);
+            0.5 * m * (a * input.dt).norm_squared()
+        });
+        energies.sum()
+    }
+
     /// Whether new forces of contact have changed the kinetic energy in a step of τ (s) that `before` is the start of.
-    fn has_stopped(&mut self, state: &State, tau: Real) -> bool {
+    fn has_stopped(&mut self, state: &State, tau: Real, falling: Real) -> bool {
         let Some(forces) = &self.implicit.contact_forces else {
             return false;
         };
@@ -112,7 +126,7 @@ impl Bdf2 {
         self.pressed.clone_from(forces);
         let energies = before.iter().zip(mass);
         let kinetic: Real = energies.map(|(v, m)| 0.5 * m * v.norm_squared()).sum();
-        changed > STOPPED * kinetic
+        changed > STOPPED * (kinetic + falling)
     }
 
     fn remember(&mut self, state: &State) {
@@ -131,6 +145,7 @@ impl Stepper for Bdf2 {
         input.check(state, self.implicit.particles.len())?;
         let dt = input.dt;
         let mut tau = 2.0 / 3.0 * dt;
+        let falling = self.energy_of_fall(&input);
         let report = if self.continues(state, dt) && !self.is_stopped {
             let [positions, velocities] = &self.before;
             let third = |now: Vec3, before: Vec3| now + (now - before) / 3.0;
@@ -146,7 +161,7 @@ impl Stepper for Bdf2 {
             self.implicit.advance_euler(state, input)?
         };
         std::mem::swap(&mut self.before, &mut self.after);
-        self.is_stopped = self.has_stopped(state, tau);
+        self.is_stopped = self.has_stopped(state, tau, falling);
         self.remember(state);
         self.dt = Some(dt);
         Ok(report)
