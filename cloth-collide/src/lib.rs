@@ -88,8 +88,7 @@
 //! `cloth-core`; all else runs on the thread that calls. A thread fills the lists of its own pairs of patches, and each
 //! list is sorted by what its pairs lack to contact and by their vertices; nothing is added up across threads. Sums and
 //! sweeps go through these lists one after the other, without colours. So results are the same bits whatever the number
-//! of threads, and the same on every run (`cloth-bench/tests/contract/thread_parity.rs`, for contact on a cloth so
-//! small that the search is not split).
+//! of threads, and the same on every run (`cloth-bench/tests/contract/thread_parity.rs`).
 //!
 //! # Add an obstacle shape
 //!
