@@ -198,18 +198,18 @@
 //! stiffness κ_c (Pa/m) of contact; friction has the energy `μ λ f(u)` of the way u along the surface, with the normal
 //! force λ at the start of the step, `f = u²/(2ε)` up to ε = h/100 and `u − ε/2` beyond, where its force is μ λ. So a
 //! sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and slides down a slope with the acceleration a by
-//! `a Δt² n(n + 1)/2` in n steps, to six digits. The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this
-//! (with [`Bdf2`] what is stopped leaves with at most half of its speed). Contacts between vertices far from each other in the mesh are additions of
-//! rank one to the matrix of the multigrid cycle: they come and go without a new pattern. What couples all vertices of
-//! a piece, the volume of a closed one ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank
-//! one around the whole cycle (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges
-//! as one of air does. Where five steps of a minimisation have been cut to less than a quarter by what is near, a
-//! direction of L-BFGS leads nowhere any more: what one cycle leaves of the residual is enough to run into the next
-//! contact. From there on the directions are those of a *truncated Newton method*: conjugate gradients around the
-//! cycle, to a tenth of the residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41
-//! vertices on a cube that turns takes 1,184 iterations in 20 steps, and 25,077 by L-BFGS alone. Newton's method does
-//! not take over from a step with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends
-//! there, free of crossings.
+//! `a Δt² n(n + 1)/2` in n steps, to six digits. The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this (with
+//! [`Bdf2`] what is stopped leaves with at most half of its speed). Contacts between vertices far from each other in
+//! the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
+//! What couples all vertices of a piece, the volume of a closed one
+//! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank one around the whole cycle
+//! (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges as one of air does. Where
+//! five steps of a minimisation have been cut to less than a quarter by what is near, a direction of L-BFGS leads
+//! nowhere any more: what one cycle leaves of the residual is enough to run into the next contact. From there on the
+//! directions are those of a *truncated Newton method*: conjugate gradients around the cycle, to a tenth of the
+//! residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41 vertices on a cube that
+//! turns takes 1,184 iterations in 20 steps, and 25,077 by L-BFGS alone. Newton's method does not take over from a step
+//! with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
 //! A linearised step linearises the cloth alone, and again where it is stopped and has to buckle
 //! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). [`Solve::Newton`] has no

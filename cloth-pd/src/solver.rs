@@ -64,8 +64,8 @@ const SPAN: usize = 10;
 /// Least number of iterations in such a step, if so many are asked for. After ten a strip that is pulled around a
 /// cylinder has not begun to slide, and holds 15 % longer than it should; after 30 less than 3 %.
 const LEAST: u32 = 30;
-/// Part of the tolerance where pins move: what is left of their work in a step stays as strain, and the next adds to it.
-/// With all of it a towel whose ends are turned takes 13 times the work that it should, with this 1.7 times.
+/// Part of the tolerance where pins move: what is left of their work in a step stays as strain, and the next adds to
+/// it. With all of it a towel whose ends are turned takes 13 times the work that it should, with this 1.7 times.
 const DRIVEN: Real = 0.3;
 
 impl Stepper for PdSolver {

@@ -78,9 +78,9 @@
 //!   smaller factor, since a sheet has some 12 rows for the 3 coordinates of a vertex.
 //! - **Dual by Cholesky** where rows hardly turn in a step and are fewer than coordinates: chains near rest.
 //!   Its factor is then a quarter.
-//! - **Krylov methods** where no factor fits into memory. In the table they take 100 to 1,400 iterations for each of the
-//!   step; a heavy tip that turns doubles those of MINRES (1,127 for 530), not those of conjugate gradients (125 for
-//!   100).
+//! - **Krylov methods** where no factor fits into memory. In the table they take 100 to 1,400 iterations for each of
+//!   the step; a heavy tip that turns doubles those of MINRES (1,127 for 530), not those of conjugate gradients (125
+//!   for 100).
 //!
 //! # Geometric stiffness
 //! `J(x)ᵀλ` turns with the cloth. An iteration without that term, H = M, applies the forces of the step in the

@@ -318,9 +318,8 @@
 //! positions and scales the corrections down; without extrapolation it is slow.
 //!
 //! [`XpbdConfig::acceleration`] extrapolates λ and x over the sweeps of a substep ([`Chebyshev`]), for those who need
-//! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. On a chain of 20 rigid links the iterations
-//! to 1e-7 m become less than a tenth with ρ given, less than a sixth with ρ estimated; so less than a fifth and a
-//! third of the sweeps.
+//! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. On a chain of 20 rigid links the sweeps to
+//! 1e-7 m become less than a fifth with ρ given, less than a third with ρ estimated.
 //!
 //! Order families from the one that must hold least to the one that must hold best: the last one visited is met
 //! best. So contact comes last.
@@ -465,21 +464,15 @@
 //! | 512 | 5.4 | 10.4 | | 13.4 |
 //! | 1000 | 6.1 | 12.9 | | 13.6 |
 //!
-//! The naive loop visits springs in the order of their vertices, each waiting for the one before it. A spring
-//! moves some 170 bytes, 2.3 ns at the 75 GB/s of the third-level cache: 24 of its own, λ and α̃ read and written (32),
-//! and for each end the position read and written and the inverse mass (56). An irregular sheet of 66 000 vertices
-//! takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
-//! ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
+//! The naive loop visits springs in the order of their vertices, each waiting for the one before it. A spring moves
+//! some 170 bytes (24 of its own, 32 for λ and α̃, 56 for each end), 2.3 ns at the 75 GB/s of the third-level cache. An
+//! irregular sheet of 66 000 vertices takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000;
+//! sorted along a curve ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
 //!
-//! The sweeps of a step take substeps × iterations × Σ elements × ns. For 64 × 64 vertices, 12,033 springs and 11,781
-//! hinges, that is 0.156 ms a substep, 3.1 ms for 20 and 27.5 for 177. The [steps below](#when-not-to-use-this-method)
-//! take 6.6 and 44, on another processor and with free flight, λ = 0 and velocities. Contact comes on top. A row keeps
-//! 16 bytes, λ and α̃. A whole run of a sheet with springs and hinges, 256 vertices a side, takes 1.6 kB of memory a
-//! vertex (`cloth-bench study scale`).
-//!
-//! With a second thread springs take 4.1 instead of 5.2 at 128 a side, and half the time of one thread from 181 a side
-//! (33 000 vertices) on. At 64 a side it has no part: a colour has at most half as many springs as there are vertices,
-//! 2048.
+//! The sweeps of a step take substeps × iterations × Σ elements × ns, and the rest comes on top. A row keeps 16 bytes,
+//! λ and α̃. A whole run of a sheet with springs and hinges, 256 vertices a side, takes 1.6 kB of memory a vertex
+//! (`cloth-bench study scale`). With a second thread springs take 4.1 instead of 5.2 at 128 a side, and half the time
+//! of one thread from 181 a side (33 000 vertices) on; smaller sheets stay on one.
 //!
 //! # Limits
 //! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ` zero, with

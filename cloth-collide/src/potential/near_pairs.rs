@@ -92,9 +92,9 @@ impl NearPairs {
         self.wake([0.0, longest(path)]);
     }
 
-    /// Whether a path is short beside how far the cloth has gone since pairs were chosen, so that few of them matter: as
-    /// where a minimisation comes to its end, one step of the cloth away from where it began. They are chosen anew once
-    /// looking at them has cost as much as that.
+    /// Whether a path is short beside how far the cloth has gone since pairs were chosen, so that few of them matter:
+    /// as where a minimisation comes to its end, one step of the cloth away from where it began. They are chosen anew
+    /// once looking at them has cost as much as that.
     fn is_elsewhere(&mut self, path: [&[Vec3]; 2], moved: Real, room: Real) -> bool {
         let [awake, all] = [Ranked::awake, Ranked::len]
             .map(|count: fn(&_) -> usize| count(&self.vertex_triangle) + count(&self.edge_edge));
@@ -111,7 +111,8 @@ impl NearPairs {
         self.edge_edge.wake(nearer);
     }
 
-    /// Whether the pairs hold at a place (m), where a vertex has `moved` so far (m) besides what all have done together.
+    /// Whether the pairs hold at a place (m), where a vertex has `moved` so far (m) besides what all have done
+    /// together.
     fn holds(&mut self, x: &[Vec3], moved: Real, room: Real) -> bool {
         let displacements = x.iter().zip(&self.place).zip(&self.reach);
         let mut displacements =

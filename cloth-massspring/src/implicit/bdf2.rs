@@ -7,10 +7,10 @@
 //!
 //! Solved for the new values that is a stage of `τ = 2Δt/3` from `x_b = (4x[0] − x[−1])/3`, `v_b = (4v[0] − v[−1])/3`.
 //!
-//! Contact is part of f, but what it stops has no derivative. A vertex that arrives with `v[−1] = −1 m/s` and is stopped,
-//! `v[0] = 0`, would begin the next stage with `v_b = 1/3 m/s` and with `x_b` behind the floor, and leave with 0.35 to
-//! 1.25 times the speed that it had; a sheet that lands on a corner gained up to five times its energy. So the step
-//! after one in which new forces of contact have changed the kinetic energy is one of implicit Euler, which knows
+//! Contact is part of f, but what it stops has no derivative. A vertex that arrives with `v[−1] = −1 m/s` and is
+//! stopped, `v[0] = 0`, would begin the next stage with `v_b = 1/3 m/s` and with `x_b` behind the floor, and leave with
+//! 0.35 to 1.25 times the speed that it had; a sheet that lands on a corner gained up to five times its energy. So the
+//! step after one in which new forces of contact have changed the kinetic energy is one of implicit Euler, which knows
 //! nothing of `v[−1]`. A load that rests changes nothing, and is second order as everything else.
 //!
 //! C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952,

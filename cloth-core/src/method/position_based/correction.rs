@@ -1,8 +1,8 @@
 //! The correction of one element: `Δxᵢ = wᵢ ∂C/∂xᵢ Δλ` over its rows, in the forms that make the loop fast.
 //!
 //! The plain form is [`row_by_row_correction`]. [`coupled_correction`] solves the rows of an element together,
-//! [`dead_zone_correction`] lets an inactive row take its multiplier back, and the others are the plain formula for rows
-//! of a special shape.
+//! [`dead_zone_correction`] lets an inactive row take its multiplier back, and the others are the plain formula for
+//! rows of a special shape.
 
 use super::constraint_update::{ConstraintUpdate, RowEquation, RowState};
 use crate::element::{Constraint, DeadZoneRow, Row, RowArray, RowForm, UnitRow, VectorRow};
