@@ -35,6 +35,9 @@ use watch::{body_probe, crossed_bodies, min_clearance};
 /// Part of a step by which a change may come early: rounding of the time.
 const ROUNDING: Real = 1e-6;
 
+/// Part of the steps that may end at their most iterations without a warning.
+const UNFINISHED: Real = 0.1;
+
 /// A time (s) in which nothing moves.
 const NO_TIME: Real = 1e-12;
 
@@ -67,6 +70,8 @@ pub struct Summary {
     pub newton_fallbacks: u64,
     /// Changes of the cloth on the way for which the method had to be built anew.
     pub rebuilds: u32,
+    /// Steps that ended at their most iterations, short of the end that they look for.
+    pub unfinished_steps: u32,
     /// Steps that met their tolerance; methods without one meet it never.
     pub converged_steps: u32,
     /// Largest strain of a spring at the end (dimensionless).
@@ -139,6 +144,20 @@ impl Summary {
         (excess > energy::WORTH_A_WARNING * given).then(|| {
             format!(
                 "energy from nowhere: the cloth held {excess:.3e} J more than it was given; its start, gravity, pins, bodies and air gave {given:.3e} J at most"
+            )
+        })
+    }
+}
+
+impl Summary {
+    /// A sentence about steps that ended at their most iterations, if there are so many of them that it is worth a
+    /// warning.
+    #[must_use]
+    pub fn budget_warning(&self) -> Option<String> {
+        let (unfinished, steps) = (self.unfinished_steps, self.steps);
+        (Real::from(unfinished) > UNFINISHED * Real::from(steps)).then(|| {
+            format!(
+                "{unfinished} of {steps} steps ended at their most iterations, short of the balance of forces that they look for: what the cloth holds there is not the material's"
             )
         })
     }
@@ -442,7 +461,7 @@ fn take_steps(
     let mut seconds = Vec::with_capacity(steps as usize);
     let mut contact_seconds = Vec::with_capacity(steps as usize);
     let mut iterations = Vec::with_capacity(steps as usize);
-    let (mut converged_steps, mut linear_iterations) = (0, 0);
+    let (mut unfinished_steps, mut converged_steps, mut linear_iterations) = (0, 0, 0);
     let (mut chebyshev_fallbacks, mut coarse_builds, mut coarse_fallbacks) = (0, 0, 0);
     let (mut newton_fallbacks, mut refinements) = (0, 0);
     for step in 1..=steps {
@@ -457,6 +476,7 @@ fn take_steps(
         coarse_fallbacks += u64::from(report.coarse_fallbacks);
         newton_fallbacks += u64::from(report.newton_fallbacks);
         refinements += u64::from(report.refinements);
+        unfinished_steps += u32::from(report.unfinished > 0);
         converged_steps += u32::from(report.outcome == Outcome::Converged);
         let [held, given] = balance.now();
         after(&Moment {
@@ -495,6 +515,7 @@ fn take_steps(
         newton_fallbacks,
         refinements,
         rebuilds: course.rebuilds,
+        unfinished_steps,
         converged_steps,
         max_stretch: strain.max,
         rms_strain: strain.rms,

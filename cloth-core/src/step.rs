@@ -223,6 +223,8 @@ pub struct StepReport {
     pub coarse_fallbacks: u32,
     /// Minimisations that a quasi-Newton method did not bring to an end, so that Newton's method took over.
     pub newton_fallbacks: u32,
+    /// Steps that ended at their most iterations, though they look for an end that they did not reach.
+    pub unfinished: u32,
     /// What the method measures its convergence by, at the end, if it measures it; see the method.
     pub residual: Option<Real>,
     /// Work (J) that prescribed vertices did on the others, if the method adds it up over its substeps.
@@ -245,6 +247,7 @@ impl StepReport {
             coarse_builds: 0,
             coarse_fallbacks: 0,
             newton_fallbacks: 0,
+            unfinished: 0,
             residual: None,
             pin_work: None,
         }
@@ -268,6 +271,7 @@ impl StepReport {
             coarse_builds: self.coarse_builds + next.coarse_builds,
             coarse_fallbacks: self.coarse_fallbacks + next.coarse_fallbacks,
             newton_fallbacks: self.newton_fallbacks + next.newton_fallbacks,
+            unfinished: self.unfinished + next.unfinished,
             residual: next.residual,
             pin_work: self.pin_work.zip(next.pin_work).map(|(a, b)| a + b),
         }

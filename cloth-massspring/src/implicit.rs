@@ -299,6 +299,7 @@ impl Implicit {
             };
             let observer = input.observer.take();
             report = self.minimizer.minimize(&task, observer, contact)?;
+            report.unfinished = u32::from(report.outcome == Outcome::BudgetSpent);
         }
         let overflow = |vertex: &usize| {
             let [x, v] = self.end(*vertex, state, input.dt, span);

@@ -335,6 +335,10 @@ impl PdSolver {
         let mut values = [Real::INFINITY; SPAN];
         loop {
             let is_last = report.iterations == last;
+            // Ten iterations and no more are what was asked for, where nothing touches or pulls.
+            let looks_for_end =
+                self.config.tolerance.is_some() || last > first + self.config.iterations;
+            report.unfinished = u32::from(is_last && looks_for_end);
             if is_last && self.config.tolerance.is_none() {
                 return Ok(Outcome::BudgetSpent);
             }
@@ -342,6 +346,7 @@ impl PdSolver {
                 self.objective.evaluate(&mut self.point, contact); // the local step
             }
             if self.is_converged(reference, report, contact) || self.is_balanced() {
+                report.unfinished = 0;
                 return Ok(Outcome::Converged);
             }
             if is_last {

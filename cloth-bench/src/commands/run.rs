@@ -34,6 +34,7 @@ Of the numbers that come out:
   refinements          steps of xpbd taken again with twice as many substeps, because they would have gained energy
   rebuilds             changes of the cloth on the way (pins, tears) for which the method was built anew
   tangled_pairs        pairs of triangles that passed through each other before each step, of a scene with untangle=yes, until there were none
+  unfinished_steps     steps that ended at their most iterations, short of the end that the method looks for
   held_steps           steps that ended with vertices held back by contact";
 
 /// Arguments of `run`.
@@ -294,6 +295,7 @@ fn simulate(
         ("newton_fallbacks", json!(summary.newton_fallbacks)),
         ("refinements", json!(summary.refinements)),
         ("rebuilds", json!(summary.rebuilds)),
+        ("unfinished_steps", json!(summary.unfinished_steps)),
         ("converged_steps", json!(summary.converged_steps)),
         ("max_stretch", json!(summary.max_stretch)),
         ("rms_strain", json!(summary.rms_strain)),
@@ -347,8 +349,10 @@ fn simulate(
         surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
-    if let Some(warning) = summary.energy_warning() {
-        eprintln!("warning: {warning}");
+    for warning in [summary.energy_warning(), summary.budget_warning()] {
+        if let Some(warning) = warning {
+            eprintln!("warning: {warning}");
+        }
     }
     let gain = summary.energy_gain.map(BenchError::failed);
     let failure = gain.or(summary.tangled.map(BenchError::Failed));

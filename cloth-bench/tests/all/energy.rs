@@ -181,6 +181,24 @@ fn stretch_that_is_left_is_a_warning_and_a_number() {
     }
 }
 
+/// Cloth that is pulled into a ring: what PD holds there is no result, and it says so.
+#[test]
+fn steps_that_end_at_their_most_iterations_are_a_warning_and_a_number() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/funnel.toml");
+    let few = "--set contact_iterations=40 --set contact_tolerance=0.001";
+    let (code, object, said) = run(&format!("{scene} --method pd --steps 12 {few}"));
+    assert_eq!(code, 0, "{said}");
+    // The first two touch nothing, and their pins move all the same.
+    assert_eq!(object["unfinished_steps"].as_u64(), Some(12), "{object}");
+    assert!(
+        said.contains("warning: 12 of 12 steps ended at their most"),
+        "{said}"
+    );
+    let (code, object, said) = run("hang --n 9 --method pd --steps 12");
+    assert_eq!((code, object["unfinished_steps"].as_u64()), (0, Some(0)));
+    assert!(!said.contains("warning"), "{said}");
+}
+
 #[test]
 fn a_run_without_gain_says_nothing() {
     for method in ["implicit-euler", "pd", "xpbd-direct"] {
