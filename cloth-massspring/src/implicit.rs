@@ -211,8 +211,6 @@ struct Implicit {
     minimizer: Minimizer,
     /// For contact at the end of a step that is solved for its middle.
     room: Room,
-    /// The forces of contact (N) at the end of the last step, if they are kept: empty without contact.
-    contact_forces: Option<Vec<Vec3>>,
 }
 
 impl Implicit {
@@ -313,19 +311,11 @@ impl Implicit {
             // The stage is done with, and its place free for the end.
             (self.predicted[vertex], self.base[vertex]) = (x, v);
         }
-        if let Some(forces) = &mut self.contact_forces {
-            forces.clear();
-        }
         if let Some(contact) = source.map(|source| source.potential()) {
             let (x, v) = (&mut self.predicted, &mut self.base);
             if is_middle {
                 let w = self.particles.inverse_mass();
                 self.room.take_half(contact, x, w, input.dt, v);
-            }
-            if let Some(forces) = &mut self.contact_forces {
-                forces.resize(x.len(), Vec3::zeros());
-                contact.add_gradient(x, forces);
-                forces.iter_mut().for_each(|f| *f = -*f);
             }
             contact.end(x, v);
         }

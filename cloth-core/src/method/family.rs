@@ -22,6 +22,7 @@ trait EnergyFamily: Debug + Send + Sync {
     /// Vertices of an element.
     fn stencil_size(&self) -> usize;
     fn changes_with_time(&self) -> bool;
+    fn is_quadratic(&self) -> bool;
     fn set_time(&mut self, time: Real);
     fn value(&self, x: &[Vec3]) -> Real;
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
@@ -100,6 +101,10 @@ impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
 
     fn changes_with_time(&self) -> bool {
         E::CHANGES_WITH_TIME
+    }
+
+    fn is_quadratic(&self) -> bool {
+        E::HESSIAN_IS_CONSTANT
     }
 
     fn set_time(&mut self, time: Real) {
@@ -220,6 +225,12 @@ pub struct Energies {
 }
 
 impl Energies {
+    /// Whether all forces are linear in the positions.
+    #[must_use]
+    pub fn are_quadratic(&self) -> bool {
+        self.families.iter().all(|family| family.is_quadratic())
+    }
+
     /// No energy on `vertex_count` vertices.
     #[must_use]
     pub fn new(vertex_count: usize) -> Self {

@@ -74,7 +74,6 @@ impl<S> ImplicitBuilder<S> {
             before: (zeros, 0.0),
             damper,
             room: Room::default(),
-            contact_forces: None,
             particles: self.particles,
             energies,
             config: self.config,
