@@ -349,10 +349,9 @@ fn simulate(
         surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
-    for warning in [summary.energy_warning(), summary.budget_warning()] {
-        if let Some(warning) = warning {
-            eprintln!("warning: {warning}");
-        }
+    let warnings = [summary.energy_warning(), summary.budget_warning()];
+    for warning in warnings.into_iter().flatten() {
+        eprintln!("warning: {warning}");
     }
     let gain = summary.energy_gain.map(BenchError::failed);
     let failure = gain.or(summary.tangled.map(BenchError::Failed));
