@@ -287,7 +287,7 @@
 //!   m. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
 //! The last point holds without contact too where pins move: what a step leaves of their work stays as strain, and the
-//! next adds to it. A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.018 J with
+//! next adds to it. A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.019 J with
 //! implicit Euler; with ten iterations a step 0.36 J, with a tenth of what forces have moved 0.25 J, with the three
 //! hundredths that are asked for there 0.031 J.
 //!

@@ -96,9 +96,8 @@ impl NearPairs {
     /// as where a minimisation comes to its end, one step of the cloth away from where it began. They are chosen anew
     /// once looking at them has cost as much as that.
     fn is_elsewhere(&mut self, path: [&[Vec3]; 2], moved: Real, room: Real) -> bool {
-        let [awake, all] = [Ranked::awake, Ranked::len]
-            .map(|count: fn(&_) -> usize| count(&self.vertex_triangle) + count(&self.edge_edge));
-        self.spent += awake;
+        self.spent += self.vertex_triangle.awake() + self.edge_edge.awake();
+        let all = self.vertex_triangle.len() + self.edge_edge.len();
         let is_dear = self.spent > AS_DEAR * (MANY + all);
         is_dear && 2.0 * (longest(path) + room) < moved
     }

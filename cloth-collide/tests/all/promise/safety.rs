@@ -241,6 +241,17 @@ fn wall(height: f64, up: f64) -> Obstacle {
     Obstacle::moving(HalfSpace::new(Vec3::z() * up).unwrap(), still).unwrap()
 }
 
+/// Contact of a mesh with itself, a floor and a roof.
+fn between_walls(mesh: &TriMesh, friction: f64) -> PotentialContacts {
+    PotentialContacts::builder(mesh)
+        .thickness(5e-3)
+        .friction(friction)
+        .obstacle(wall(-0.4, 1.0), friction)
+        .obstacle(wall(2.2, -1.0), friction)
+        .build()
+        .unwrap()
+}
+
 /// Pieces so wild that they become rigid zones, which a floor below and a roof above do not let go where they would:
 /// then vertices are held back, and the report says how many and how much.
 #[test]
@@ -249,12 +260,7 @@ fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
     for seed in 0..3 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random, 4);
-        let builder = PotentialContacts::builder(&mesh)
-            .thickness(5e-3)
-            .friction(0.3)
-            .obstacle(wall(-0.4, 1.0), 0.3)
-            .obstacle(wall(2.2, -1.0), 0.3);
-        let mut flight = Flight::new(&mesh, builder.build().unwrap());
+        let mut flight = Flight::new(&mesh, between_walls(&mesh, 0.3));
         for step in 0..10 {
             for v in &mut flight.velocities {
                 *v = random.point(1e3);
@@ -280,11 +286,7 @@ fn what_is_held_after_a_minimised_step_is_of_that_step_alone() {
     for seed in 0..3 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random, 4);
-        let builder = PotentialContacts::builder(&mesh)
-            .thickness(5e-3)
-            .obstacle(wall(-0.4, 1.0), 0.0)
-            .obstacle(wall(2.2, -1.0), 0.0);
-        let mut contacts = builder.build().unwrap();
+        let mut contacts = between_walls(&mesh, 0.0);
         let inverse_mass = vec![1.0; mesh.vertex_count()];
         let mut x = mesh.positions().to_vec();
         for _ in 0..10 {
