@@ -8,9 +8,9 @@
 //! Solved for the new values that is a stage of `τ = 2Δt/3` from `x_b = (4x[0] − x[−1])/3`, `v_b = (4v[0] − v[−1])/3`.
 //!
 //! A velocity that jumps has no derivative. A vertex that arrives at a floor with `v[−1] = −1 m/s` and is stopped,
-//! `v[0] = 0`, would begin the next stage with `v_b = 1/3 m/s` and with `x_b` behind the floor. A sheet that landed flat
-//! left with 0.38 to 1.14 times its speed, on a corner with up to 5.7 times its kinetic energy, and one that swings and
-//! snaps taut held five times what it was given. So the step after one in which
+//! `v[0] = 0`, would begin the next stage with `v_b = 1/3 m/s` and with `x_b` behind the floor. A sheet that landed
+//! flat left with 0.38 to 1.14 times its speed, on a corner with up to 5.7 times its kinetic energy, and one that
+//! swings and snaps taut held five times what it was given. So the step after one in which
 //!
 //! ```text
 //! ‖v[1] − 2 v[0] + v[−1]‖²_M > 0.1 (‖v[0]‖²_M + ‖Δt a‖²_M),   a the external acceleration,
@@ -43,9 +43,9 @@ const JUMP: Real = 0.1;
 /// when a step starts from another state, or with another Δt, it *starts again* with one step of implicit Euler. One
 /// step of first order leaves the whole of second order. So a change of the state between two steps is always right,
 /// but who changes it in every step gets implicit Euler. Velocities of prescribed vertices do not count: steering a pin
-/// is no restart. Velocities that jump are, on the whole of the cloth: where contact stops it, where it snaps taut, where
-/// a load sets in. So nothing bounces with more than half of its speed, and cloth that slides and folds takes steps of
-/// implicit Euler.
+/// is no restart. Velocities that jump are, on the whole of the cloth: where contact stops it, where it snaps taut,
+/// where a load sets in. So nothing bounces with more than half of its speed, and cloth that slides and folds takes
+/// steps of implicit Euler.
 ///
 /// Damping: drag and stiffness act at the end of the step, both with second order.
 ///
