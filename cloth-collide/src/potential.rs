@@ -103,7 +103,7 @@
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
 //! | A ψ(d), A m ψ(d) as elements, with both derivatives | [`PairContact`] |
 //! | μ λ f(‖u‖) | `friction` |
-//! | which pairs can be near on a path | `near_pairs`, `ranked` |
+//! | which pairs can be near on a path | `near_pairs`, `sleeping` |
 //! | bodies behind the cloth | `surfaces` |
 //! | P ← P + m g Δt + ∫f dt of bodies that the cloth pushes | `free` |
 //! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, where such a body meets what does not give way | `stops` |
@@ -169,12 +169,12 @@ mod near_pairs;
 mod pair;
 mod patches;
 mod quiet;
-mod ranked;
 mod rebound;
 mod report;
 mod row;
 mod rows;
 pub(crate) mod sewn;
+mod sleeping;
 mod source;
 mod stops;
 mod surfaces;

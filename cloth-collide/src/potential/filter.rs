@@ -1,7 +1,6 @@
 //! How far a path is safe.
 
-use super::near_pairs::NearPairs;
-use super::pair::PairContact;
+use super::near_pairs::{ChosenPair, NearPairs};
 use crate::ccd::{ContinuousTest, Query};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
@@ -71,8 +70,11 @@ impl NearPairs {
                     *share = share.min(part);
                 }
             };
-            for near in self.iter().filter(|near| was_cut(&near.pair.vertices)) {
-                take(near.pair.vertices, time_of_pair(near, from, to)?);
+            for chosen in self.iter() {
+                let vertices = chosen.contact.pair.vertices;
+                if was_cut(&vertices) {
+                    take(vertices, time_of_pair(chosen, from, to)?);
+                }
             }
             if !is_short || rounds == ROUNDS {
                 break !is_short;
@@ -124,8 +126,12 @@ pub(super) fn shorten_all(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], pa
 
 /// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of that at the start, or of the
 /// thickness; 1 if that does not happen.
-fn time_of_pair(near: &PairContact, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
+fn time_of_pair(chosen: &ChosenPair, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
+    let near = &chosen.contact;
     let path = Query::of(near.pair, from, to);
+    if chosen.stays_apart(&path, SLACK * near.law.range()) {
+        return Ok(1.0);
+    }
     let distance = Gap::new(path.kind, &path.from).distance;
     let keep = SLACK * distance.min(near.law.range());
     if approach(&path) < distance - keep {

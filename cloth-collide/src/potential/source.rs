@@ -255,7 +255,7 @@ impl ContactPotential for Contacts {
                 });
             }
         };
-        for near in self.pairs.iter() {
+        for near in self.pairs.iter_at(x) {
             let places = gather(x, near.pair.vertices);
             let gap = Gap::new(near.pair.kind, &places);
             let curvature = near.law.curvature(gap.distance);
@@ -363,7 +363,7 @@ impl Contacts {
         let (near, stretched, sticking) = (&self.near, &self.stretched, &mut self.sticking);
         let x = step.from;
         sticking.clear();
-        for contact in self.pairs.iter() {
+        for contact in self.pairs.iter_at(x) {
             let (key, vertices) = (Key::Pair(contact.pair), contact.pair.vertices);
             let places = gather(x, vertices);
             let gap = Gap::new(contact.pair.kind, &places);
@@ -409,7 +409,7 @@ impl Contacts {
     /// Hands `add` the gradients (N) of the energies of pairs at `x` (m), vertex by vertex, and returns their sum (J).
     pub(super) fn pair_gradients(&self, x: &[Vec3], mut add: impl FnMut(usize, Vec3)) -> Real {
         let mut sum = 0.0;
-        for near in self.pairs.iter() {
+        for near in self.pairs.iter_at(x) {
             let vertices = near.pair.vertices;
             let (value, gradient) = near.value_and_gradient(&gather(x, vertices));
             if value != 0.0 {
