@@ -192,6 +192,22 @@ impl NearPairs {
         });
     }
 
+    /// A lower bound (m) on the signed distance of a vertex at `x` (m) from an obstacle, by what was known of it when it
+    /// was asked last.
+    pub(super) fn known_distance(
+        &self,
+        [vertex, number]: [usize; 2],
+        obstacles: &[Obstacle],
+        x: Vec3,
+    ) -> Real {
+        let room = self.rooms.get(vertex * obstacles.len() + number);
+        let obstacle = &obstacles[number];
+        room.map_or(Real::NEG_INFINITY, |(place, distance)| {
+            let local = obstacle.motion().pose.to_local(x);
+            distance - (local - place).norm() * obstacle.shape().lipschitz()
+        })
+    }
+
     fn choose_obstacles(&mut self, near: &Near, obstacles: &[Obstacle]) {
         self.vertex_obstacle.clear();
         let nowhere = (Vec3::repeat(Real::INFINITY), 0.0);

@@ -349,9 +349,12 @@ impl Contacts {
         let mut pins = ends.filter(|(w, _)| **w == 0.0);
         let mut bodies = self.before.iter();
         let is_outside = |v: usize| {
-            let mut bodies = self.before.iter();
             step.inverse_mass[v] == 0.0
-                || bodies.all(|body| body.signed_distance(step.from[v], 0.0).value > 0.0)
+                || self.before.iter().enumerate().all(|(number, body)| {
+                    let x = step.from[v];
+                    self.pairs.known_distance([v, number], &self.before, x) > 0.0
+                        || body.signed_distance(x, 0.0).value > 0.0
+                })
         };
         bodies.all(|body| body.motion().is_still())
             && pins.all(|(_, (a, b))| a == b)
@@ -380,11 +383,16 @@ impl Contacts {
                 });
             }
         }
+        let pairs = &self.pairs;
         let bodies = self.before.iter().zip(&self.still).zip(&self.bodies);
         for (number, ((before, after), (_, friction))) in (0u32..).zip(bodies) {
             for (vertex, place) in (0u32..).zip(near.own(x)) {
                 let v = vertex as usize;
                 if step.inverse_mass[v] == 0.0 || *friction == 0.0 {
+                    continue;
+                }
+                let known = pairs.known_distance([v, number as usize], &self.before, *place);
+                if known >= near.law.range() {
                     continue;
                 }
                 let at = before.signed_distance(*place, 0.0);
