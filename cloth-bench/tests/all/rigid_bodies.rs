@@ -133,8 +133,8 @@ fn ball_comes_to_rest_where_the_net_carries_its_weight() {
         ("pd", &["contact_tolerance=1e-2"], [2e-3, 1e-2]),
     ] {
         let (mut sag, mut force, mut place) = (0.0, 0.0, [0.0; 2]);
-        watch(&falling, method, settings, 600, |moment| {
-            if moment.step > 480 {
+        watch(&falling, method, settings, 420, |moment| {
+            if moment.step > 300 {
                 let at = body(moment).pose.position;
                 sag += (0.104 - at.z) / 120.0;
                 // It may have rolled between two vertices.
