@@ -43,6 +43,7 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
 
     /// That case.
     #[doc(hidden)]
+    #[must_use]
     fn into_elements(all: Vec<Self>) -> Elements {
         unreachable!("there is no case for {all:?}")
     }
