@@ -36,8 +36,8 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
         let _ = time;
     }
 
-    /// Whether [`Elements`] has a case for them. A builder then takes them as it takes a whole cloth, which is compiled in
-    /// its own crate, and not once more wherever it is called. Elements of your own leave it out.
+    /// Whether [`Elements`] has a case for them. A builder then takes them as it takes a whole cloth, which is compiled
+    /// in its own crate, and not once more wherever it is called. Elements of your own leave it out.
     #[doc(hidden)]
     const IS_IN_ELEMENTS: bool = false;
 

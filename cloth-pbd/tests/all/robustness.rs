@@ -1,8 +1,8 @@
 //! PBD from starts that make no sense, at ratios that are too large.
 //!
 //! A cell is one kind of start at one size of step, stiffness and mass ratio, with one variant of the sweep over the
-//! constraints; ten jittered runs each, four where a run is seconds of motion. A step passes if it ends in a finite state, or with an error and the
-//! state as it was; the second is counted.
+//! constraints; ten jittered runs each, four where a run is seconds of motion. A step passes if it
+//! ends in a finite state, or with an error and the state as it was; the second is counted.
 
 use cloth_core::energy::{AreaTriangle, CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};

@@ -1,8 +1,8 @@
 //! Starts that make no sense, at ratios that are too large.
 //!
-//! A cell is one kind of start at one size of step, stiffness and mass ratio; ten jittered runs each, four where a run is
-//! seconds of motion. A run passes if every step ends finite or is refused with the state untouched, and where it is asked to recover,
-//! if the edges come back to their lengths.
+//! A cell is one kind of start at one size of step, stiffness and mass ratio; ten jittered runs each, four where a run
+//! is seconds of motion. A run passes if every step ends finite or is refused with the state untouched, and where it is
+//! asked to recover, if the edges come back to their lengths.
 
 use crate::bad_starts::{STARTS, Sheet, sheet};
 use cloth_core::energy::Spring;
