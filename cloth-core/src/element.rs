@@ -17,6 +17,7 @@ mod sweep_forms;
 
 pub use sweep_forms::{DeadZoneRow, RowForm, UnitRow, VectorRow};
 
+use crate::cloth::Elements;
 use crate::math::{Blocks, Mat3, Real, Vec3};
 use std::fmt::Debug;
 
@@ -33,6 +34,18 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
     /// change, nor do the vertices. Elements whose rest data are constant leave it out.
     fn set_time(&mut self, time: Real) {
         let _ = time;
+    }
+
+    /// Whether [`Elements`] has a case for them. A builder then takes them as it takes a whole cloth, which is compiled
+    /// in its own crate, and not once more wherever it is called. Elements of your own leave it out.
+    #[doc(hidden)]
+    const IS_IN_ELEMENTS: bool = false;
+
+    /// That case.
+    #[doc(hidden)]
+    #[must_use]
+    fn into_elements(all: Vec<Self>) -> Elements {
+        unreachable!("there is no case for {all:?}")
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) const STUDY: Study = Study {
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    scope.pick(&[24], &[32, 64])
+    scope.pick(&[17], &[32, 64])
 }
 
 /// Sweeps before a count is extrapolated.

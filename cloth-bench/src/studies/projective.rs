@@ -59,7 +59,7 @@ const LONG: (&str, &str) = (
 );
 
 fn sizes(scope: Scope) -> &'static [u32] {
-    scope.pick(&[17, 33], &[32, 64, 128])
+    scope.pick(&[13, 25], &[32, 64, 128])
 }
 
 fn stiffnesses(scope: Scope) -> &'static [Real] {
@@ -227,7 +227,7 @@ const RACERS: [(&str, &str, &str); 4] = [
 ];
 
 fn race_sizes(scope: Scope) -> &'static [u32] {
-    scope.pick(&[17, 33], &[64, 128])
+    scope.pick(&[13, 25], &[64, 128])
 }
 
 /// How one of them got there, if it did.

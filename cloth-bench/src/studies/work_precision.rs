@@ -25,7 +25,7 @@ const REFERENCE: u32 = 4096;
 const WANTED: [Real; 2] = [1e-2, 1e-3];
 
 fn side(scope: Scope) -> u32 {
-    scope.pick(13, 33)
+    scope.pick(9, 33)
 }
 
 /// Steps per second. The direct solver of XPBD ends where implicit Euler does, at fifty times the price: coarse steps

@@ -17,7 +17,7 @@ fn elastica(pairs: &[String]) -> cloth_bench::laws::Evaluation {
 
 #[test]
 fn a_heavy_strip_sags_as_the_elastica_in_every_model() {
-    for gamma in ["0.1", "1", "10", "100", "1000"] {
+    for gamma in ["0.1", "10", "1000"] {
         for model in MODELS {
             let evaluation = elastica(&[format!("gamma={gamma}"), format!("model={model}")]);
             // At rest: what is left of the forces is rounding, and another step moves nothing.

@@ -220,6 +220,6 @@ impl EnergyVisitor for Summand {
     type Output = Result<Energies, BuildError>;
 
     fn visit<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Self::Output {
-        self.0.with(elements)
+        self.0.with_family(elements)
     }
 }

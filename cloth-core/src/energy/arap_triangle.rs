@@ -5,6 +5,7 @@
 //! <https://doi.org/10.1145/2601097.2601116>.
 
 use super::triangle_map::TriangleMap;
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
@@ -91,9 +92,15 @@ fn direction(d: Vec3) -> Option<Vec3> {
 }
 
 impl Element<3> for ArapTriangle {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 3] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Arap(all)
     }
 }
 

@@ -4,6 +4,7 @@
 
 use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
 use super::dihedral_hinge::angle;
+use crate::cloth::Elements;
 use crate::element::{Convexity, Element, Energy};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 use crate::mesh::TriMesh;
@@ -76,9 +77,15 @@ impl CubicShell {
 }
 
 impl Element<4> for CubicShell {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 4] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Cubic(all)
     }
 }
 

@@ -4,6 +4,7 @@
 //! SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>.
 
 use super::cotangent::{Cotangents, on_each_hinge};
+use crate::cloth::Elements;
 use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
@@ -65,9 +66,15 @@ impl CurvatureHinge {
 }
 
 impl Element<4> for CurvatureHinge {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 4] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Quadratic(all)
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::CurvatureHinge;
 use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
 use crate::mesh::TriMesh;
@@ -70,9 +71,15 @@ impl CurvedHinge {
 }
 
 impl Element<4> for CurvedHinge {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 4] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Curved(all)
     }
 }
 

@@ -8,6 +8,7 @@
 //! <https://doi.org/10.1016/j.gmod.2013.07.001>: the Hessian of θ.
 
 use super::cotangent::on_each_hinge;
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 use crate::mesh::TriMesh;
@@ -242,9 +243,15 @@ fn short_way(angle: Real) -> Real {
 }
 
 impl Element<4> for DihedralHinge {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 4] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Dihedral(all)
     }
 }
 

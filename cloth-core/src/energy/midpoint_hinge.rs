@@ -6,6 +6,7 @@
 //! <https://doi.org/10.1016/j.cagd.2007.07.006>. The formula below was derived from the two.
 
 use super::cotangent::Cotangents;
+use crate::cloth::Elements;
 use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
 use crate::math::{Real, Vec3};
 
@@ -60,9 +61,15 @@ impl MidpointHinge {
 }
 
 impl Element<5> for MidpointHinge {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 5] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Midpoint(all)
     }
 }
 

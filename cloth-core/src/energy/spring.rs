@@ -1,5 +1,6 @@
 //! The spring: two vertices that want to be a rest length apart.
 
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row, RowForm, UnitRow};
 use crate::math::{
     Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
@@ -89,9 +90,15 @@ fn lost(d: Vec3, vertices: [u32; 2]) -> (Real, Vec3) {
 }
 
 impl Element<2> for Spring {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline(always)]
     fn vertices(&self) -> [u32; 2] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Springs(all)
     }
 }
 

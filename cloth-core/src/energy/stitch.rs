@@ -1,6 +1,7 @@
 //! The stitch: two vertices that are drawn together, and then held together.
 
 use super::Spring;
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row, RowForm, VectorRow};
 use crate::math::{Blocks, Mat3, Real, Vec3};
 
@@ -108,6 +109,8 @@ impl Stitch {
 }
 
 impl Element<2> for Stitch {
+    const IS_IN_ELEMENTS: bool = true;
+
     const CHANGES_WITH_TIME: bool = true;
 
     #[inline(always)]
@@ -117,6 +120,10 @@ impl Element<2> for Stitch {
 
     fn set_time(&mut self, time: Real) {
         self.rest_length = self.rest_length_at(time);
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Stitches(all)
     }
 }
 

@@ -5,6 +5,7 @@
 //! section 5.1.
 
 use super::Spring;
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Row};
 use crate::math::{
     Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
@@ -91,9 +92,15 @@ impl StrainLimitSpring {
 }
 
 impl Element<2> for StrainLimitSpring {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 2] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Limited(all)
     }
 }
 

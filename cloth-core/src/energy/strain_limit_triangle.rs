@@ -6,6 +6,7 @@
 
 use super::arap_triangle::Singular;
 use super::triangle_map::TriangleMap;
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
@@ -114,9 +115,15 @@ impl StrainLimitTriangle {
 }
 
 impl Element<3> for StrainLimitTriangle {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 3] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::LimitedTriangles(all)
     }
 }
 

@@ -4,6 +4,7 @@
 //! simulation", ACM Trans. Graph. 28 (2009), <https://doi.org/10.1145/1559755.1559762>.
 
 use super::triangle_map::TriangleMap;
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
@@ -59,9 +60,15 @@ impl StvkTriangle {
 }
 
 impl Element<3> for StvkTriangle {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 3] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Stvk(all)
     }
 }
 

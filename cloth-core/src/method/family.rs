@@ -244,7 +244,16 @@ impl Energies {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
-    pub fn with<const N: usize, E: Energy<N>>(
+    pub fn with<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Result<Self, BuildError> {
+        if E::IS_IN_ELEMENTS {
+            self.with_elements(vec![E::into_elements(elements)])
+        } else {
+            self.with_family(elements)
+        }
+    }
+
+    /// The same, compiled for these elements here.
+    pub(crate) fn with_family<const N: usize, E: Energy<N>>(
         mut self,
         elements: Vec<E>,
     ) -> Result<Self, BuildError> {

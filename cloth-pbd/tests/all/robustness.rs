@@ -1,8 +1,8 @@
 //! PBD from starts that make no sense, at ratios that are too large.
 //!
 //! A cell is one kind of start at one size of step, stiffness and mass ratio, with one variant of the sweep over the
-//! constraints; ten jittered runs each. A step passes if it ends in a finite state, or with an error and the
-//! state as it was; the second is counted.
+//! constraints; ten jittered runs each, four where a run is seconds of motion. A step passes if it
+//! ends in a finite state, or with an error and the state as it was; the second is counted.
 
 use cloth_core::energy::{AreaTriangle, CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};
@@ -17,6 +17,7 @@ use cloth_pbd::{Hierarchy, HierarchyConfig, PbdConfig, PbdSolver, StiffnessRule}
 use rayon::prelude::*;
 
 const RUNS: usize = 10;
+const RECOVERIES: usize = 4;
 const SIDE: usize = 6;
 const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 
@@ -237,7 +238,7 @@ fn settle(
 #[test]
 fn the_sheet_recovers_from_any_start() {
     let sheet = Sheet::new(Real::INFINITY, 1.0);
-    let cell = |(variant, kind): (Variant, Start)| {
+    let cell = |variant: Variant| {
         // Averaged Jacobi sweeps move little each.
         let iterations = if variant.sweep == Sweep::Jacobi {
             100
@@ -250,26 +251,25 @@ fn the_sheet_recovers_from_any_start() {
         let recovered = |strain: Real, height: Real| {
             strain < rest_strain + 0.002 && (height - rest_height).abs() < 0.01
         };
-        let mut most = 0;
-        for run in 0..RUNS {
-            let start = start(kind, &sheet, run);
-            let (strain, height, steps) = settle(&sheet, &mut solver, start, 240, recovered);
-            most = most.max(steps);
-            if !recovered(strain, height) {
-                return Some(format!(
-                    "{variant:?} {kind:?} {run}: strain {strain:.1e}, {height:.3} m instead of {rest_strain:.1e}, {rest_height:.3} m"
-                ));
+        let mut bad = Vec::new();
+        for kind in STARTS {
+            let mut most = 0;
+            for run in 0..RECOVERIES {
+                let start = start(kind, &sheet, run);
+                let (strain, height, steps) = settle(&sheet, &mut solver, start, 240, recovered);
+                most = most.max(steps);
+                if !recovered(strain, height) {
+                    bad.push(format!(
+                        "{variant:?} {kind:?} {run}: strain {strain:.1e}, {height:.3} m instead of {rest_strain:.1e}, {rest_height:.3} m"
+                    ));
+                }
             }
+            println!("{variant:?} {kind:?}: back after at most {most} steps");
         }
-        println!("{variant:?} {kind:?}: back after at most {most} steps");
-        None
+        bad
     };
-    let cells: Vec<(Variant, Start)> = variants()
-        .into_iter()
-        .flat_map(|variant| STARTS.map(|kind| (variant, kind)))
-        .collect();
-    let bad: Vec<String> = cells.into_par_iter().filter_map(cell).collect();
-    assert!(bad.is_empty(), "{} cells:\n{}", bad.len(), bad.join("\n"));
+    let bad: Vec<String> = variants().into_par_iter().flat_map(cell).collect();
+    assert!(bad.is_empty(), "{} runs:\n{}", bad.len(), bad.join("\n"));
 }
 
 /// Far from the origin the positions have fewer digits, and that is all.

@@ -52,6 +52,9 @@ impl PdBuilder {
         mut self,
         elements: Vec<E>,
     ) -> Self {
+        if E::IS_IN_ELEMENTS {
+            return self.elements(vec![E::into_elements(elements)]);
+        }
         self.add(elements);
         self
     }

@@ -48,6 +48,9 @@ impl DirectBuilder {
     /// Adds a family of constraints.
     #[must_use]
     pub fn energy<const N: usize, E: Constraint<N>>(mut self, elements: Vec<E>) -> Self {
+        if E::IS_IN_ELEMENTS {
+            return self.elements(vec![E::into_elements(elements)]);
+        }
         let vertex_count = self.particles.len();
         self.families = self.families.and_then(|mut families| {
             families.push(family(elements, vertex_count)?);

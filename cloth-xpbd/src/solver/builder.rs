@@ -32,6 +32,9 @@ impl XpbdBuilder {
     /// Adds a family of constraints. A sweep visits the families in the order in which they were added.
     #[must_use]
     pub fn energy<const N: usize, E: Constraint<N>>(mut self, elements: Vec<E>) -> Self {
+        if E::IS_IN_ELEMENTS {
+            return self.elements(vec![E::into_elements(elements)]);
+        }
         self.families.add(elements);
         self
     }

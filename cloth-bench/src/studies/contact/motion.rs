@@ -18,7 +18,7 @@ fn methods() -> Vec<&'static str> {
 
 fn meshes_and_steps(scope: Scope) -> MeshesAndSteps {
     let (sizes, rates): (&[u32], &[u32]) = scope.pick(
-        (&[7, 11], &[30, 60, 120]),
+        (&[7, 9], &[30, 60, 120]),
         (&[17, 25, 33, 49], &[30, 60, 120, 240]),
     );
     let middle = sizes[1];
@@ -31,7 +31,7 @@ fn meshes_and_steps(scope: Scope) -> MeshesAndSteps {
 
 /// Vertices a side and steps per second of the converged value.
 fn finest(scope: Scope) -> (u32, u32) {
-    scope.pick((11, 240), (49, 480))
+    scope.pick((9, 240), (49, 480))
 }
 
 /// A sheet on a sphere at the end.

@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 
 /// Vertices a side of the two sheets whose steps are timed.
 pub(super) fn sides(scope: Scope) -> [u32; 2] {
-    scope.pick([16, 32], [64, 128])
+    scope.pick([12, 20], [64, 128])
 }
 
 /// Vertices a side of the sheets of [`Step`] and of [`Contact`], and steps of the latter.
 fn small(scope: Scope) -> (u32, u32, u32) {
-    scope.pick((17, 11, 12), (33, 25, 30))
+    scope.pick((13, 9, 12), (33, 25, 30))
 }
 
 /// Time that a run may take.

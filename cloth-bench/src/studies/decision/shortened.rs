@@ -20,8 +20,8 @@ const ENDS: [(&str, &str); 8] = [
 
 /// Scenes, with vertices along in a quick and in a full run.
 const SCENES: [(&str, [u32; 2]); 3] = [
-    ("drape-sphere", [11, 25]),
-    ("drape-box", [11, 25]),
+    ("drape-sphere", [9, 25]),
+    ("drape-box", [9, 25]),
     ("fold", [9, 17]),
 ];
 

@@ -215,7 +215,10 @@ mod tests {
         ] {
             for case in by_pattern(8) {
                 let method = case.variant.method();
-                if case.pattern != pattern || method == "implicit-midpoint" {
+                // Every method on one pattern, those that take seconds not on the other.
+                let is_slow = ["symplectic-euler", "xpbd-direct"].contains(&method);
+                let is_left = method == "implicit-midpoint" || is_slow && pattern == "crossed";
+                if case.pattern != pattern || is_left {
                     continue;
                 }
                 let made = make(&case).unwrap();

@@ -20,7 +20,7 @@ const LARGEST_CONE: usize = 32;
 /// Patterns with cells a side.
 fn sheets(scope: Scope) -> Vec<(&'static str, usize)> {
     match scope {
-        Scope::Quick => vec![("one-way", 16)],
+        Scope::Quick => vec![("one-way", 12)],
         Scope::Full => {
             let of_size = |n: usize| count::PATTERNS.map(|pattern| (pattern, n));
             let mut all = [16, 32].map(of_size).concat();

@@ -19,7 +19,7 @@ fn moduli(scope: Scope, cells: usize) -> &'static [Real] {
 }
 
 pub(super) fn sizes(scope: Scope) -> &'static [usize] {
-    scope.pick(&[8, 16], &[16, 32, 64, 128])
+    scope.pick(&[8, 12], &[16, 32, 64, 128])
 }
 
 /// The modulus (N/m) whose folds are drawn against the edge length.
@@ -35,7 +35,7 @@ fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
 }
 
 fn fold_sizes(scope: Scope) -> &'static [usize] {
-    scope.pick(&[8, 16], &[16, 32, 64, 128])
+    scope.pick(&[8, 12], &[16, 32, 64, 128])
 }
 
 /// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was

@@ -46,7 +46,7 @@ const EULER: &str = "implicit-euler";
 
 pub(super) fn sizes(scope: Scope) -> &'static [u32] {
     match scope {
-        Scope::Quick => &[17],
+        Scope::Quick => &[13],
         // Implicit Euler alone would take a minute at 128.
         Scope::Full => &[32, 64],
     }

@@ -80,14 +80,14 @@ fn random_motions_of_random_pieces_never_cross() {
 #[test]
 fn wild_motions_of_random_pieces_never_cross() {
     for kick in [100.0, 3e3] {
-        let [_, zones, shortened] = stir(100..106, 10, kick);
+        let [_, zones, shortened] = stir(100..103, 10, kick);
         assert!(zones + shortened > 0, "{kick} m/s");
     }
 }
 
 #[test]
 fn sheets_shot_through_each_other_stay_on_their_sides() {
-    for n in [4, 9, 17] {
+    for n in [4, 9, 12] {
         let sheet = grid(n, n, 1.0, 1.0, Diagonals::Alternating).unwrap();
         let other = moved(&sheet, |x| Vec3::new(x.x + 0.31, x.y - 0.17, x.z + 0.8));
         let mesh = together(&[sheet, other]);
@@ -257,7 +257,7 @@ fn between_walls(mesh: &TriMesh, friction: f64) -> PotentialContacts {
 #[test]
 fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
     let mut held_steps = 0;
-    for seed in 0..3 {
+    for seed in 0..2 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random, 4);
         let mut flight = Flight::new(&mesh, between_walls(&mesh, 0.3));
@@ -283,7 +283,7 @@ fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
 #[test]
 fn what_is_held_after_a_minimised_step_is_of_that_step_alone() {
     let mut held = 0;
-    for seed in 0..3 {
+    for seed in 0..2 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random, 4);
         let mut contacts = between_walls(&mesh, 0.0);
