@@ -12,6 +12,7 @@ use cloth_core::contact::ContactPotential;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::family::Energies;
 use cloth_core::method::trust::TrustRadius;
+use cloth_core::method::vectors::dot;
 use cloth_core::particles::Particles;
 use cloth_core::step::{BuildError, Observer, Outcome, StepError, StepReport};
 
@@ -36,6 +37,8 @@ const KEPT: Real = 0.75;
 /// Linearisations in a step, at most.
 const MOST_LINEARIZATIONS: u32 = 8;
 
+/// Part of a direction below which contact stalls the whole cloth.
+const STALLED: Real = 0.01;
 /// Factor on the trust radius after a step to its end that has not been shortened.
 const RADIUS_GROWTH: Real = 4.0;
 
@@ -55,6 +58,9 @@ pub(super) struct Minimizer {
     pub(super) newton: Option<NewtonSystem>,
     /// Where the cloth is linearised, and room for a way from there (m), where it is and contact is felt.
     linearized: Option<(Point, Vec<Vec3>)>,
+    /// Where each vertex is followed as far as it can go alone: the parts (dimensionless), and the displacements (m).
+    parts: Vec<Real>,
+    shortened: Vec<Vec3>,
     is_free: Vec<bool>,
 }
 
@@ -109,6 +115,8 @@ impl Minimizer {
                 })
                 .transpose()?,
             linearized: None,
+            parts: Vec::new(),
+            shortened: Vec::new(),
             is_free,
         })
     }
@@ -345,6 +353,14 @@ impl Minimizer {
             let trusted = contact.is_some().then(|| radius.trust(&self.direction));
             let part = trusted.map_or(1.0, |trusted| trusted.fraction);
             let most = self.longest_step(task, contact, part)?;
+            if contact.is_some()
+                && most < STALLED * part
+                && self.search_vertex_by_vertex(task, contact, part, report)?
+            {
+                method.forget();
+                std::mem::swap(&mut self.current, &mut self.next);
+                continue;
+            }
             let stage = with(task, contact);
             let (from, to) = (&self.current, &mut self.next);
             let found = line_search::search(&stage, from, &self.direction, slope, most, to);
@@ -425,6 +441,44 @@ impl Minimizer {
         let limited = contact.limit(from, to);
         let safe = limited.map_err(|reason| StepError::Contact { reason, step })?;
         Ok(most * safe)
+    }
+
+    /// Follows `part` of the direction with every vertex as far as it alone can go, and evaluates what that comes to:
+    /// one bound for all would let one pair that is nearly closed hold the whole cloth. Returns whether that is lower.
+    fn search_vertex_by_vertex(
+        &mut self,
+        task: &Task<'_>,
+        contact: &mut Contact<'_>,
+        part: Real,
+        report: &mut StepReport,
+    ) -> Result<bool, StepError> {
+        let Some(source) = contact.as_deref_mut() else {
+            return Ok(false);
+        };
+        let (from, to) = (&self.current.positions, &mut self.next.positions);
+        for ((to, x), p) in to.iter_mut().zip(from).zip(&self.direction) {
+            *to = x + p * part;
+        }
+        self.parts.resize(from.len(), 1.0);
+        let step = task.step;
+        source
+            .limit_each(from, to, &mut self.parts)
+            .map_err(|reason| StepError::Contact { reason, step })?;
+        let mut shortened = std::mem::take(&mut self.shortened);
+        shortened.clear();
+        let displacements = to.iter().zip(from).map(|(to, x)| to - x);
+        shortened.extend(displacements);
+        let slope = dot(&self.current.gradient, &shortened);
+        let mut is_lower = false;
+        if slope < 0.0 {
+            let stage = with(task, contact);
+            let (from, to) = (&self.current, &mut self.next);
+            let found = line_search::search(&stage, from, &shortened, slope, 1.0, to);
+            report.backtracks += found.backtracks;
+            is_lower = found.accepted;
+        }
+        self.shortened = shortened;
+        Ok(is_lower)
     }
 
     /// Norm (N/√kg) of the gradient of the current point, which is finite; and takes notice of what to compare it with.

@@ -215,6 +215,12 @@ impl QuasiNewton {
         }
     }
 
+    /// Takes notice of a step that is no part of its direction: the pairs before it do not belong to what follows.
+    pub(super) fn forget(&mut self) {
+        self.history.clear();
+        self.cut += u32::from(self.global.is_empty());
+    }
+
     /// Puts the momentum of unconstrained components right at an evaluated point.
     pub(super) fn settle(&self, stage: &Stage<'_>, point: &mut Point) {
         self.unconstrained.settle(stage, point);
