@@ -60,9 +60,11 @@ pub(super) enum Body {
         free: Option<Box<RigidBody>>,
         /// Whether its signed distance at the vertices of the cloth is all there is to it.
         is_flat: bool,
+        /// Coefficient of friction of its own (dimensionless).
+        friction: Option<Real>,
     },
-    /// A surface that changes its shape.
-    Animated(TriMesh, AnimatedMesh),
+    /// A surface that changes its shape, and its coefficient of friction.
+    Animated(TriMesh, AnimatedMesh, Option<Real>),
 }
 
 /// Splits of an icosahedron's edges so fine that its sphere (m) comes out of no triangle by more than a quarter of the
@@ -100,13 +102,17 @@ pub struct ContactSetup {
     untangles: bool,
     broad_phase: BroadPhaseKind,
     obstacles: Vec<Obstacle>,
+    /// Their coefficients of friction (dimensionless).
+    frictions: Vec<Real>,
     /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
     shapes: Vec<(TriMesh, bool)>,
     /// Those of them that the cloth pushes, by their numbers.
     free: Vec<(usize, RigidBody)>,
     /// Of these on their contact (rad/s); 0 without any.
     highest_frequency: Real,
-    animated: Vec<(TriMesh, AnimatedMesh)>,
+    animated: Vec<(TriMesh, AnimatedMesh, Real)>,
+    /// Whether the common coefficient of friction is that of anything.
+    is_common_friction_felt: bool,
     pub(super) pieces: Option<PieceContact>,
 }
 
@@ -120,7 +126,12 @@ impl ContactSetup {
             .map_err(|error| settings.blame([], error))?;
         let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
-        let mut obstacles = Vec::new();
+        let (mut obstacles, mut frictions) = (Vec::new(), Vec::new());
+        let mut is_common_friction_felt = *own.collides;
+        let mut friction_of = |own: Option<Real>| {
+            is_common_friction_felt |= own.is_none();
+            own.unwrap_or(friction)
+        };
         for body in bodies {
             match body {
                 Body::Rigid {
@@ -128,12 +139,16 @@ impl ContactSetup {
                     surface,
                     free,
                     is_flat,
+                    friction,
                 } => {
+                    frictions.push(friction_of(friction));
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
                     obstacles.push(obstacle);
                     shapes.push((surface, !is_flat));
                 }
-                Body::Animated(mesh, animation) => animated.push((mesh, animation)),
+                Body::Animated(mesh, animation, friction) => {
+                    animated.push((mesh, animation, friction_of(friction)));
+                }
             }
         }
         let frequency = |(number, body): &(usize, RigidBody)| {
@@ -170,12 +185,23 @@ impl ContactSetup {
             untangles: *own.untangle,
             broad_phase: *own.broad_phase,
             obstacles,
+            frictions,
             shapes,
             free: free_bodies,
             highest_frequency,
             animated,
+            is_common_friction_felt,
             pieces: None,
         })
+    }
+
+    /// Refuses a common coefficient of friction that nothing has.
+    pub(super) fn check_friction(&self, settings: &Settings) -> Result<(), BenchError> {
+        if self.is_idle() || self.is_common_friction_felt || self.pieces.is_some() {
+            return Ok(());
+        }
+        let friction = Surface::read(settings)?.friction;
+        friction.refuse_without("a body without friction of its own, or self=yes")
     }
 
     /// Whether there is nothing to touch, or nothing to be done about it.
@@ -230,8 +256,8 @@ impl ContactSetup {
         if let Some(restitution) = self.restitution {
             contacts = contacts.restitution(restitution);
         }
-        for obstacle in &self.obstacles {
-            contacts = contacts.obstacle(obstacle.clone(), self.friction);
+        for (obstacle, friction) in self.obstacles.iter().zip(&self.frictions) {
+            contacts = contacts.obstacle(obstacle.clone(), *friction);
         }
         for (number, (surface, _)) in self.shapes.iter().enumerate().filter(|(_, s)| s.1) {
             contacts = contacts.surface(number, surface.clone());
@@ -239,8 +265,8 @@ impl ContactSetup {
         for (number, body) in &self.free {
             contacts = contacts.free(*number, *body);
         }
-        for (surface, animation) in &self.animated {
-            contacts = contacts.animated(surface.clone(), animation.clone(), self.friction);
+        for (surface, animation, friction) in &self.animated {
+            contacts = contacts.animated(surface.clone(), animation.clone(), *friction);
         }
         contacts.build().map(Some).map_err(BenchError::usage)
     }
@@ -324,7 +350,7 @@ impl ContactSetup {
             let positions = shape.positions().iter().map(|&x| pose.to_world(x));
             (positions.collect(), shape.triangles())
         });
-        let animated = self.animated.iter().map(move |(shape, animation)| {
+        let animated = self.animated.iter().map(move |(shape, animation, _)| {
             let mut positions = shape.positions().to_vec();
             animation.place(time, &mut positions);
             (positions, shape.triangles())

@@ -82,6 +82,7 @@ pub(super) fn below(
         surface: shape,
         free: None,
         is_flat: matches!(kind, Below::Floor(_)),
+        friction: None,
     })
 }
 

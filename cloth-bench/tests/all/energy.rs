@@ -1,5 +1,6 @@
 //! What the program says of energy from nowhere.
 
+use crate::scene_text::written;
 use serde_json::Value;
 use std::process::Command;
 
@@ -74,16 +75,26 @@ fn sweeps_by_their_default_leave_no_energy_in_scenes_that_ship() {
     }
 }
 
-/// Cloth that is pulled into a ring: an iteration that ends on a direction uphill as if it were done would leave 30 J
-/// of strain in the last of these steps, where pins have given 1.4.
+/// A disk of cloth falls on a tilted ring that turns, in steps of 1/30 s. In the seventh one pair is nearly closed, and
+/// one bound for all vertices would let it hold the whole cloth: after 4,000 iterations it would be stretched by 13 % and
+/// hold 9 J that nothing gave.
 #[test]
-fn implicit_steps_into_a_ring_end_at_a_minimum() {
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/funnel.toml");
-    let (code, object, said) = run(&format!("{scene} --method implicit-euler --steps 28"));
+fn implicit_steps_do_not_stall_for_one_pair() {
+    let scene = written(
+        "stalled",
+        "dt = 0.0333333\n[[mesh]]\ngenerator = \"disk:22\"\nscale = 0.6\ntranslate = [0.02, 0.01, 0.42]\n\
+         [cloth]\ndensity = 0.18\nstiffness = 2e4\nrigidity = 3e-6\n\
+         [[obstacle]]\nshape = \"mesh\"\ngenerator = \"torus:48x24\"\nscale = 0.3\nposition = [0, 0, 0.2]\n\
+         rotate = [0.5, 0.2, 0]\nangular_velocity = [0, 0, 1]\n\
+         [[obstacle]]\nshape = \"plane\"\n[contact]\nself = true\nthickness = 1e-3\n",
+    );
+    let scene = scene.display();
+    let (code, object, said) = run(&format!("{scene} --method implicit-euler --steps 7"));
     assert_eq!(code, 0, "{said}");
     assert_eq!(object["energy_excess"].as_f64(), Some(0.0));
+    assert_eq!(object["converged_steps"], 7);
     let stretch = object["max_stretch"].as_f64().unwrap();
-    assert!(stretch < 0.06, "{stretch}");
+    assert!(stretch < 5e-3, "{stretch}");
 }
 
 /// A cube turns below a sheet: where contact cuts directions of L-BFGS short, those of a truncated Newton method go on.

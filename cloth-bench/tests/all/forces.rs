@@ -5,7 +5,7 @@ use crate::program::program;
 use crate::scene_text::{scene, written};
 use cloth_bench::method::Method;
 use cloth_bench::run::{Moment, Plan, Solver, run_changing};
-use cloth_bench::scene::Scene;
+use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
 
@@ -148,18 +148,8 @@ fn pieces_have_their_own_thickness_and_friction() {
         ("xpbd", "substeps=10"),
         ("pd", ""),
     ] {
-        let mut ends = Vec::new();
-        watch(&scene, method, setting, steps, |moment| {
-            let moved = moment.state.positions.iter().zip(&scene.start.positions);
-            let moved: Vec<Vec3> = moved.map(|(x, start)| x - start).collect();
-            let mean = |all: &[Vec3]| all.iter().sum::<Vec3>() / all.len() as f64;
-            ends.push([mean(&moved[..169]), mean(&moved[169..])]);
-        });
-        let [slid, stuck] = ends[steps as usize - 1];
-        // Free fall along the slope by (sub)steps.
-        let parts = if method == "xpbd" { 10 } else { 1 };
-        let (n, h) = (f64::from(steps * parts), 0.01 / f64::from(parts));
-        let way = 0.5 * 9.81 * angle.sin() * h * h * n * (n + 1.0);
+        let [slid, stuck] = displacements(&scene, method, setting, steps);
+        let way = free_way(angle, steps, if method == "xpbd" { 10 } else { 1 });
         let off = (slid.x - way).abs();
         assert!(off < 1e-3 * way, "{method}: slides {} of {way}", slid.x);
         // What sticks is a spring that a hundredth of the (largest) thickness stretches to the whole of friction.
@@ -176,6 +166,83 @@ fn pieces_have_their_own_thickness_and_friction() {
             );
         }
     }
+}
+
+/// How far (m) each of two sheets has come after so many steps.
+fn displacements(scene: &Scene, method: &str, setting: &str, steps: u32) -> [Vec3; 2] {
+    let mut last = [Vec3::zeros(); 2];
+    watch(scene, method, setting, steps, |moment| {
+        let moved = moment.state.positions.iter().zip(&scene.start.positions);
+        let moved: Vec<Vec3> = moved.map(|(x, start)| x - start).collect();
+        let mean = |all: &[Vec3]| all.iter().sum::<Vec3>() / all.len() as f64;
+        last = [mean(&moved[..169]), mean(&moved[169..])];
+    });
+    last
+}
+
+/// Free fall (m) along a slope (rad) in so many steps of 0.01 s, each in so many parts.
+fn free_way(angle: f64, steps: u32, parts: u32) -> f64 {
+    let (n, h) = (f64::from(steps * parts), 0.01 / f64::from(parts));
+    0.5 * 9.81 * angle.sin() * h * h * n * (n + 1.0)
+}
+
+/// On the same slope, of two sheets on a box each the one on the box of no friction slides.
+#[test]
+fn bodies_have_their_own_friction() {
+    let angle: f64 = 0.2;
+    let z = 2e-3 - 0.2 * 9.81 * angle.cos() / 1e6;
+    let sheet = |x: f64| format!("{SHEET}translate = [{x}, 0, {z:?}]\n");
+    let cuboid = |x: f64| {
+        format!("[[obstacle]]\nshape = \"box\"\nsize = [1.8, 3, 0.2]\nposition = [{x}, 0, -0.1]\n")
+    };
+    let text = format!(
+        "dt = 0.01\ngravity = [{}, 0, {}]\n{}{}[contact]\nfriction = 0.3\n{}friction = 0\n{}",
+        9.81 * angle.sin(),
+        -9.81 * angle.cos(),
+        sheet(0.0),
+        sheet(2.0),
+        cuboid(0.0),
+        cuboid(2.0),
+    );
+    let scene = scene("frictions", &text);
+    for (method, setting, parts) in [
+        ("implicit-euler", "tolerance=1e-9", 1),
+        ("xpbd", "substeps=10", 10),
+        ("pd", "", 1),
+    ] {
+        let [slid, stuck] = displacements(&scene, method, setting, 15);
+        let way = free_way(angle, 15, parts);
+        let off = (slid.x - way).abs();
+        assert!(off < 1e-3 * way, "{method}: slides {} of {way}", slid.x);
+        let stretch = 0.01 * 2e-3 * angle.tan() / 0.3;
+        assert!(
+            stuck.x.abs() < 1.001 * stretch,
+            "{method}: creeps {}",
+            stuck.x
+        );
+    }
+}
+
+/// Where every body has its own, and the cloth does not touch itself, a common coefficient is that of nothing.
+#[test]
+fn friction_of_nothing_is_refused() {
+    let with = |own: &str| {
+        let text = format!(
+            "{SHEET}[contact]\nfriction = 0.3\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\n{own}"
+        );
+        file::build(&written("felt", &text), &Settings::default()).map(|_| ())
+    };
+    assert!(with("").is_ok());
+    let error = with("friction = 0.1\n").unwrap_err().to_string();
+    assert!(
+        error.contains("line 5: friction has no meaning without"),
+        "{error}"
+    );
+    let error = with("friction = -0.1\n").unwrap_err().to_string();
+    assert!(
+        error.contains("line 9: friction") && error.contains("at least 0"),
+        "{error}"
+    );
 }
 
 /// The command writes what acts on every body in every step.

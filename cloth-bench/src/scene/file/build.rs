@@ -279,6 +279,7 @@ impl<'a> Sections<'a> {
             density.refuse_given("with contact=none")?;
         }
         touch.pieces = roughness::of_pieces(&contact, &self.roughness, &counts, order.as_ref())?;
+        touch.check_friction(&contact)?;
         if let (true, Some(section)) = (
             touch.excludes_and_untangles(),
             self.roughness.iter().flatten().next(),

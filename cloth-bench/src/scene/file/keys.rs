@@ -146,6 +146,7 @@ crate::settings! {
         velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "constant, or with a density at the start";
         angular_velocity: Option<Vec3> = "[0, 0, 0]" "rad/s",
             "the same of turning, about the position; with a density about the centre of mass";
+        friction: Option<Real> = "that of [contact]" in AtLeast(0.0), "coefficient of friction of the cloth on it";
         density: Option<Real> = "none" "kg/m³" in Above(0.0),
             "of a body that gravity pulls and the cloth pushes; none: it keeps its velocities, whatever pushes it. It \
              stops, without a rebound and without friction, before held vertices and before other bodies, but for \

@@ -34,6 +34,7 @@ pub(super) fn body(
         surface,
         free: free.map(Box::new),
         is_flat: *own.shape == Some(Shape::Plane),
+        friction: *own.friction,
     })
 }
 
@@ -83,7 +84,7 @@ fn animated(
     };
     let interval = own.interval.unwrap_or(1.0 / 60.0);
     let animation = AnimatedMesh::new(shapes, interval).map_err(|error| wrong(&error))?;
-    Ok(Body::Animated(mesh, animation))
+    Ok(Body::Animated(mesh, animation, *own.friction))
 }
 
 fn rigid(
