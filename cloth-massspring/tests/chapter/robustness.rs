@@ -1,7 +1,7 @@
 //! The default (L-BFGS, and Newton's method where that is stuck) from starts that make no sense, at ratios that are too
 //! large.
 //!
-//! A cell is one kind of start at one size of step, stiffness ratio and mass ratio; four jittered runs each. A run
+//! A cell is one kind of start at one size of step, stiffness ratio and mass ratio; ten jittered runs each. A run
 //! passes if the step converges to a finite state whose incremental potential is not above that of its start, or fails
 //! with a `StepError` and leaves the state untouched. The second kind is counted apart.
 
@@ -16,7 +16,7 @@ use cloth_core::step::{Outcome, StepInput, Stepper};
 use cloth_core::topology::EdgeTable;
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler, ImplicitMidpoint};
 
-const RUNS: usize = 4;
+const RUNS: usize = 10;
 const SIDE: usize = 6;
 
 #[derive(Clone, Copy, Debug)]

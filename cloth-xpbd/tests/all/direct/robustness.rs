@@ -8,7 +8,7 @@ use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 
-const RUNS: usize = 4;
+const RUNS: usize = 10;
 const DOWN: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 #[derive(Debug, Default)]
