@@ -142,23 +142,7 @@ fn pieces_have_their_own_thickness_and_friction() {
         piece(2.0, 2e-3, "friction = 0.3\n"),
     );
     let scene = scene("pieces", &text);
-    let steps = 30;
-    for (method, setting) in [
-        ("implicit-euler", "tolerance=1e-9"),
-        ("xpbd", "substeps=10"),
-        ("pd", ""),
-    ] {
-        let [slid, stuck] = displacements(&scene, method, setting, steps);
-        let way = free_way(angle, steps, if method == "xpbd" { 10 } else { 1 });
-        let off = (slid.x - way).abs();
-        assert!(off < 1e-3 * way, "{method}: slides {} of {way}", slid.x);
-        // What sticks is a spring that a hundredth of the (largest) thickness stretches to the whole of friction.
-        let stretch = 0.01 * 5e-3 * angle.tan() / 0.3;
-        assert!(
-            stuck.x.abs() < 1.001 * stretch,
-            "{method}: creeps {}",
-            stuck.x
-        );
+    for (method, [slid, stuck]) in slides_and_sticks(&scene, angle, 30, 5e-3) {
         for (piece, z) in [("thick", slid.z), ("thin", stuck.z)] {
             assert!(
                 z.abs() < 1e-7,
@@ -166,6 +150,37 @@ fn pieces_have_their_own_thickness_and_friction() {
             );
         }
     }
+}
+
+/// On a slope (rad), the first of two sheets slides freely for so many steps of 0.01 s, and the second stays, of
+/// friction 0.3; the largest thickness is `thickness` (m). Returns how far (m) each has come, by method.
+fn slides_and_sticks(
+    scene: &Scene,
+    angle: f64,
+    steps: u32,
+    thickness: f64,
+) -> [(&'static str, [Vec3; 2]); 3] {
+    let runs = [
+        ("implicit-euler", "tolerance=1e-9", 1),
+        ("xpbd", "substeps=10", 10),
+        ("pd", "", 1),
+    ];
+    runs.map(|(method, setting, parts)| {
+        let [slid, stuck] = displacements(scene, method, setting, steps);
+        // Free fall along the slope by (sub)steps.
+        let (n, h) = (f64::from(steps * parts), 0.01 / f64::from(parts));
+        let way = 0.5 * 9.81 * angle.sin() * h * h * n * (n + 1.0);
+        let off = (slid.x - way).abs();
+        assert!(off < 1e-3 * way, "{method}: slides {} of {way}", slid.x);
+        // What sticks is a spring that a hundredth of the thickness stretches to the whole of friction.
+        let stretch = 0.01 * thickness * angle.tan() / 0.3;
+        assert!(
+            stuck.x.abs() < 1.001 * stretch,
+            "{method}: creeps {}",
+            stuck.x
+        );
+        (method, [slid, stuck])
+    })
 }
 
 /// How far (m) each of two sheets has come after so many steps.
@@ -178,12 +193,6 @@ fn displacements(scene: &Scene, method: &str, setting: &str, steps: u32) -> [Vec
         last = [mean(&moved[..169]), mean(&moved[169..])];
     });
     last
-}
-
-/// Free fall (m) along a slope (rad) in so many steps of 0.01 s, each in so many parts.
-fn free_way(angle: f64, steps: u32, parts: u32) -> f64 {
-    let (n, h) = (f64::from(steps * parts), 0.01 / f64::from(parts));
-    0.5 * 9.81 * angle.sin() * h * h * n * (n + 1.0)
 }
 
 /// On the same slope, of two sheets on a box each the one on the box of no friction slides.
@@ -205,22 +214,7 @@ fn bodies_have_their_own_friction() {
         cuboid(2.0),
     );
     let scene = scene("frictions", &text);
-    for (method, setting, parts) in [
-        ("implicit-euler", "tolerance=1e-9", 1),
-        ("xpbd", "substeps=10", 10),
-        ("pd", "", 1),
-    ] {
-        let [slid, stuck] = displacements(&scene, method, setting, 15);
-        let way = free_way(angle, 15, parts);
-        let off = (slid.x - way).abs();
-        assert!(off < 1e-3 * way, "{method}: slides {} of {way}", slid.x);
-        let stretch = 0.01 * 2e-3 * angle.tan() / 0.3;
-        assert!(
-            stuck.x.abs() < 1.001 * stretch,
-            "{method}: creeps {}",
-            stuck.x
-        );
-    }
+    slides_and_sticks(&scene, angle, 15, 2e-3);
 }
 
 /// Where every body has its own, and the cloth does not touch itself, a common coefficient is that of nothing.

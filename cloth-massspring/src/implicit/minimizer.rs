@@ -433,14 +433,19 @@ impl Minimizer {
         let Some(contact) = contact else {
             return Ok(most);
         };
-        let (from, to) = (&self.current.positions, &mut self.next.positions);
-        for ((to, x), p) in to.iter_mut().zip(from).zip(&self.direction) {
-            *to = x + p * most;
-        }
+        self.follow(most);
+        let (from, to) = (&self.current.positions, &self.next.positions);
         let step = task.step;
         let limited = contact.limit(from, to);
         let safe = limited.map_err(|reason| StepError::Contact { reason, step })?;
         Ok(most * safe)
+    }
+
+    /// Puts the next positions at `part` of the direction.
+    fn follow(&mut self, part: Real) {
+        let ways = self.current.positions.iter().zip(&self.direction);
+        let ends = self.next.positions.iter_mut().zip(ways);
+        ends.for_each(|(to, (x, p))| *to = x + p * part);
     }
 
     /// Follows `part` of the direction with every vertex as far as it alone can go, and evaluates what that comes to:
@@ -455,10 +460,8 @@ impl Minimizer {
         let Some(source) = contact.as_deref_mut() else {
             return Ok(false);
         };
+        self.follow(part);
         let (from, to) = (&self.current.positions, &mut self.next.positions);
-        for ((to, x), p) in to.iter_mut().zip(from).zip(&self.direction) {
-            *to = x + p * part;
-        }
         self.parts.resize(from.len(), 1.0);
         let step = task.step;
         source
