@@ -268,33 +268,32 @@ impl Implicit {
             }
             (contact, _) => contact,
         };
+        let task = Task {
+            stage: Stage {
+                potential: IncrementalPotential {
+                    particles: &self.particles,
+                    energies: &self.energies,
+                    predicted: &self.predicted,
+                    dt: span.tau * drag.sqrt(),
+                },
+                damper: self.damper.as_ref(),
+                linearized: None,
+                contact: None,
+            },
+            config: &self.config,
+            before: &state.positions,
+            step,
+        };
         if let Some(contact) = &mut contact {
             let taken = ContactStep {
                 from: &state.positions,
                 inverse_mass: self.particles.inverse_mass(),
                 dt: input.dt,
             };
-            let start = &mut self.minimizer.current.positions;
-            let begun = contact.begin(&taken, start);
+            let begun = self.minimizer.begin_contact(&task.stage, &taken, *contact);
             begun.map_err(|reason| StepError::Contact { reason, step })?;
         }
         if self.particles.free_count() > 0 {
-            let task = Task {
-                stage: Stage {
-                    potential: IncrementalPotential {
-                        particles: &self.particles,
-                        energies: &self.energies,
-                        predicted: &self.predicted,
-                        dt: span.tau * drag.sqrt(),
-                    },
-                    damper: self.damper.as_ref(),
-                    linearized: None,
-                    contact: None,
-                },
-                config: &self.config,
-                before: &state.positions,
-                step,
-            };
             let observer = input.observer.take();
             report = self.minimizer.minimize(&task, observer, contact)?;
             report.unfinished = u32::from(report.outcome == Outcome::BudgetSpent);

@@ -354,20 +354,20 @@ impl ContactSource for PotentialContacts {
 }
 
 impl ContactPotential for PotentialContacts {
-    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        loop {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<bool, ContactError> {
+        let is_led = loop {
             self.place(step, start, [true, true])?;
             let (all, to) = self.surfaces.all(step.dt);
             match self.contacts.begin(&all, to) {
-                Ok(()) => break,
+                Ok(is_led) => break is_led,
                 Err(error) if self.halts(&error) => {}
                 Err(error) => return Err(error),
             }
-        }
+        };
         self.surfaces.take(start);
         self.surfaces.time += step.dt;
         self.surfaces.stay();
-        Ok(())
+        Ok(is_led)
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {

@@ -8,7 +8,7 @@ use super::quasi_newton::QuasiNewton;
 use super::stage::Stage;
 use super::system::NewtonSystem;
 use crate::config::{Accept, ImplicitConfig, Solve};
-use cloth_core::contact::ContactPotential;
+use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::family::Energies;
 use cloth_core::method::trust::TrustRadius;
@@ -119,6 +119,34 @@ impl Minimizer {
             shortened: Vec::new(),
             is_free,
         })
+    }
+
+    /// Begins contact, which takes the current positions (m) back, or leads them around what moves. Where that strains
+    /// the cloth so much that it would better have stayed where it was, contact leads it from there: in cloth that lands
+    /// while something moves, some vertices are stopped and others fly on, and what is between would be torn.
+    pub(super) fn begin_contact(
+        &mut self,
+        stage: &Stage<'_>,
+        step: &ContactStep<'_>,
+        contact: &mut dyn ContactPotential,
+    ) -> Result<(), ContactError> {
+        let (start, stay) = (&mut self.current, &mut self.next);
+        stay.positions.copy_from_slice(&start.positions);
+        let is_led = contact.begin(step, &mut start.positions)?;
+        if !is_led || start.positions == stay.positions {
+            return Ok(());
+        }
+        let vertices = stay.positions.iter_mut().zip(step.from).zip(&self.is_free);
+        for ((x, from), _) in vertices.filter(|(_, is_free)| **is_free) {
+            *x = *from;
+        }
+        start.evaluate(stage);
+        stay.evaluate(stage);
+        if start.value > stay.value {
+            start.positions.copy_from_slice(&stay.positions);
+            contact.begin(step, &mut start.positions)?;
+        }
+        Ok(())
     }
 
     /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one Newton
