@@ -34,7 +34,7 @@ fn histories(criterion: &mut Criterion) {
             let mut solver = PdSolver::builder(&model.particles)
                 .energy(model.springs.clone())
                 .config(PdConfig {
-                    iterations: ITERATIONS,
+                    iterations: Some(ITERATIONS),
                     acceleration: Acceleration::QuasiNewton { history },
                     ..PdConfig::default()
                 })

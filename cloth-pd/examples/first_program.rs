@@ -8,6 +8,7 @@ use cloth_pd::{Particles, PdConfig, PdSolver, Spring, State, StepInput, Stepper,
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81); // m/s²
 const DT: f64 = 1.0 / 60.0; // s
+const ITERATIONS: u32 = 10; // of a step, as PdConfig::plain() says
 
 /// The global matrix `A = M/Δt² + Σ w SᵀS` (N/m), dense; the row of a prescribed vertex is that of the identity.
 fn assemble(particles: &Particles, springs: &[Spring]) -> Vec<Vec<f64>> {
@@ -76,7 +77,7 @@ fn step(
         x[i] += v[i] * DT; // x̃
     }
     let predicted = x.to_vec();
-    for _ in 0..PdConfig::plain().iterations {
+    for _ in 0..ITERATIONS {
         let inertia = predicted.iter().zip(particles.mass());
         let mut b: Vec<Vec3> = inertia.map(|(x, m)| x * (m / (DT * DT))).collect();
         // Local step: the vector of rest length nearest to z = S x, and b = M x̃/Δt² + Σ w Sᵀ p.

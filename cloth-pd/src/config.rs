@@ -8,26 +8,27 @@ use cloth_core::step::BuildError;
 /// Settings of [`PdSolver`](crate::PdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdConfig {
-    /// Iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1. A step of
-    /// [`Acceleration::QuasiNewton`] from [`StartGuess::Inertial`] that would gain energy is taken again from `x[0]`,
-    /// with as many.
-    pub iterations: u32,
-    /// The same for a step with active contacts, if that is more: an impact changes the problem during the iteration.
-    /// And for a step of [`Acceleration::QuasiNewton`] in which prescribed vertices move.
-    /// Most such steps end sooner, at [`contact_tolerance`](Self::contact_tolerance), or once
-    /// `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
-    pub contact_iterations: u32,
-    /// Such a step without a `tolerance` ends after 30 iterations or more once
+    /// `Some(k)`: k iterations in every step (at least 1), exactly as many without a `tolerance`, at most as many with
+    /// one. `None`: as many as it takes to come within [`velocity_tolerance`](Self::velocity_tolerance) or the
+    /// `tolerance`; ten in a step by another [`Acceleration`] than [`QuasiNewton`](Acceleration::QuasiNewton) that
+    /// touches nothing, which knows nothing of the former. A step of the quasi-Newton method from
+    /// [`StartGuess::Inertial`] that would gain energy is taken again from `x[0]`, with as many.
+    pub iterations: Option<u32>,
+    /// Most iterations of a step with `iterations: None`; at least 1.
+    pub most_iterations: u32,
+    /// A step with `iterations: None` and without a `tolerance` ends after ten iterations or more once
     /// `√(∇Gᵀ B ∇G) ≤ τ ‖x − x̃‖_M/Δt`, B the inverse Hessian that the method has (τ dimensionless, at least 0): the
     /// Newton decrement, as a speed, over the change of velocity that the forces have made. As pairs that mislead make
-    /// it small, ten iterations must have lowered `G` by no more than `10 (τ ‖x − x̃‖_M/Δt)²` besides. It is an
+    /// it small, five iterations must have lowered `G` by no more than `5 (τ ‖x − x̃‖_M/Δt)²` besides. It is an
     /// estimate, weaker than a bound on the gradient: A is too stiff where cloth bends, so B, and this, come out too
-    /// small. Where prescribed vertices move, 0.3 τ is asked for. 0 asks for all `contact_iterations`.
-    pub contact_tolerance: Real,
+    /// small. Where nothing touches, τ/2 is asked for; with active contacts and where prescribed vertices move it is
+    /// asked after thirty iterations, and 0.3 τ with the latter. With active contacts a step ends, too, once `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the
+    /// norm of M⁻¹. 0 asks for all `most_iterations`.
+    pub velocity_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ
     /// dimensionless; C is the potential of contact, if there is any), and the report has that ratio as its residual.
     /// `None`: nothing is computed for it. For reference solutions, not for speed: τ = 10⁻⁶ takes 776 iterations at 60
-    /// vertices a side and 10⁴ N/m. Raise `iterations` with it: the step ends there if τ is not met.
+    /// vertices a side and 10⁴ N/m. Raise `most_iterations` with it: the step ends there if τ is not met.
     pub tolerance: Option<Real>,
     /// Where the iteration starts.
     pub start: StartGuess,
@@ -83,9 +84,9 @@ pub enum Acceleration {
 impl Default for PdConfig {
     fn default() -> Self {
         Self {
-            iterations: 10,
-            contact_iterations: 300,
-            contact_tolerance: 0.1,
+            iterations: None,
+            most_iterations: 300,
+            velocity_tolerance: 0.1,
             tolerance: None,
             start: StartGuess::Inertial,
             acceleration: Acceleration::QuasiNewton { history: 2 },
@@ -98,9 +99,9 @@ impl PdConfig {
     #[must_use]
     pub fn plain() -> Self {
         Self {
-            iterations: 10,
-            contact_iterations: 300,
-            contact_tolerance: 0.1,
+            iterations: Some(10),
+            most_iterations: 300,
+            velocity_tolerance: 0.1,
             tolerance: None,
             start: StartGuess::Predicted,
             acceleration: Acceleration::None,
@@ -109,8 +110,11 @@ impl PdConfig {
 
     /// Whether every setting lies in its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
-        at_least_one("iterations", self.iterations)?;
-        not_negative("contact_tolerance", self.contact_tolerance)?;
+        if let Some(iterations) = self.iterations {
+            at_least_one("iterations", iterations)?;
+        }
+        at_least_one("most_iterations", self.most_iterations)?;
+        not_negative("velocity_tolerance", self.velocity_tolerance)?;
         if let Some(tolerance) = self.tolerance {
             not_negative("tolerance", tolerance)?;
         }

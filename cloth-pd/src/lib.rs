@@ -275,19 +275,18 @@
 //!   ([`TrustRadius`](cloth_core::method::trust::TrustRadius)). A handkerchief on the corner of a table
 //!   (`cloth-bench/scenes/handkerchief.toml`) held 3.1·10⁻⁴ J more than it was given in its first four steps without,
 //!   where it was given 2·10⁻⁵ J, and seven times as long was spent on a step; with it, no more than it was given.
-//! - **A step goes on until it is near enough**, because an impact changes the problem while it is solved: up to
-//!   [`PdConfig::contact_iterations`] in a step in which anything pushes, with twenty pairs in every step that is given
+//! - **A step goes on until it is near enough**, as it does without contact, and more so because an impact changes the
+//!   problem while it is solved: up to [`PdConfig::most_iterations`], with twenty pairs in every step that is given
 //!   contacts, until what the iteration still has to move is a tenth of what forces have moved
-//!   ([`PdConfig::contact_tolerance`]). It takes 30 iterations at least, if as many are allowed, unless forces balance
-//!   to 10⁻⁸ or the line search fails first; and a few hundred in a fold. Six sheets of 33 vertices a side on a turning
+//!   ([`PdConfig::velocity_tolerance`]). In a step in which anything pushes it takes 30 iterations at least, unless
+//!   forces balance to 10⁻⁸ or the line search fails first; and a few hundred in a fold. Six sheets of 33 vertices a side on a turning
 //!   box, each with 0.3 % more bending rigidity than the one before (`cloth-bench run drape-box --steps 30`), fall
 //!   0.074 m with a spread of 0.003 m and are stretched by 0.3 %; with converged implicit Euler 0.074 and 0.001 m, 0.2
 //!   %; with 30 iterations in every step 0.068 and 0.006 m, 0.8 %. A ribbon that folds down on itself
 //!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.484 m, with 20 iterations at most 0.442 m; implicit Euler 0.494
 //!   m. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
-//! The last point holds without contact too where pins move: what a step leaves of their work stays as strain, and the
-//! next adds to it. A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.019 J with
+//! Where pins move more is asked for: what a step leaves of their work stays as strain, and the next adds to it. A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.019 J with
 //! implicit Euler; with ten iterations a step 0.36 J, with a tenth of what forces have moved 0.25 J, with the three
 //! hundredths that are asked for there 0.031 J.
 //!
@@ -318,8 +317,10 @@
 //!   give, so a cloth collapsed to a point unfolds; a triangle collapsed to a line or a point has singular vectors
 //!   chosen for it. A triangle without rest area has no weight, and is left out.
 //! - **No convergence is no error.** Without a tolerance the outcome is
-//!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where `contact_tolerance` or a failed line search in
-//!   contact ends the step early; it is `Converged` where forces in contact balance to 10⁻⁸ or nothing can move. With
+//!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where
+//!   `velocity_tolerance` or a failed line search in contact ends the step; it is `Converged` where forces in contact
+//!   balance to 10⁻⁸ or nothing can move. A step that ends at `most_iterations` counts as
+//!   [`unfinished`](cloth_core::step::StepReport::unfinished). With
 //!   [`PdConfig::tolerance`] the report has the residual.
 //!
 //! # Threads
@@ -489,8 +490,8 @@
 //! does not become small, though: for 1.7 times the time of its best setting the energy is right and the folds are bent
 //! rather than compressed.
 //!
-//! In contact a step goes on to `contact_tolerance`, so these times do not hold there; `cloth-bench study decision` has
-//! a table with contact.
+//! In contact a step takes more iterations, so these times do not hold there; `cloth-bench study decision` has a table
+//! with contact.
 //!
 //! Truncation does not suit every method. The quasi-Newton iteration of `implicit-euler` loses 90 % of the kinetic
 //! energy with five iterations a step at 64 a side, 72 % with ten, and 0.2 % with twenty. A start with an extrapolated

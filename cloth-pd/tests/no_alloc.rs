@@ -54,7 +54,7 @@ fn allocations(
 ) -> u64 {
     let (model, mut state) = hanging(n);
     let config = PdConfig {
-        iterations: 8,
+        iterations: Some(8),
         tolerance,
         start: StartGuess::Inertial,
         acceleration,

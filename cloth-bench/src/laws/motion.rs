@@ -110,7 +110,7 @@ impl Scheme {
             ..Default::default()
         };
         let pd = PdConfig {
-            iterations: 1,
+            iterations: Some(1),
             ..Default::default()
         };
         Ok(match self {

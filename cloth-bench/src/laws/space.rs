@@ -103,7 +103,7 @@ fn same_minimum(settings: &Settings) -> Result<Evaluation, BenchError> {
     let mut by_newton = before.clone();
     newton.step(&mut by_newton, input())?;
     let config = PdConfig {
-        iterations: 100_000,
+        iterations: Some(100_000),
         tolerance: Some(1e-12),
         ..Default::default()
     };

@@ -8,9 +8,9 @@ use cloth_pd::{Acceleration, PdConfig, StartGuess};
 crate::settings! {
     /// Of projective dynamics.
     pub(super) struct Pd {
-        iterations: u32 = 10 in AtLeast(1.0), "local–global iterations per step, at most";
-        contact_iterations: u32 = 300 in AtLeast(1.0), "the same for a step in which contact pushes or a pin moves, if that is more";
-        contact_tolerance: Real = 0.1 in AtLeast(0.0), "decrement at which such a step is done, over the change of velocity";
+        iterations: Or<Auto, u32> = "auto" in AtLeast(1.0), "local–global iterations per step; auto: as many as velocity_tolerance takes, from 10";
+        most_iterations: u32 = 300 in AtLeast(1.0), "most iterations per step, with iterations=auto";
+        velocity_tolerance: Real = 0.1 in AtLeast(0.0), "decrement at which a step is done, over the change of velocity, with iterations=auto";
         tolerance: Option<Real> = "none", "relative gradient norm at which a step is done, or none";
         start: StartGuess = "inertial", "first guess: previous, inertial or predicted";
         acceleration: Accelerated = "quasi-newton", "none, chebyshev or quasi-newton";
@@ -50,12 +50,20 @@ pub(super) fn projective(own: &Pd) -> Result<PdConfig, BenchError> {
         own.coarse.refuse_without("acceleration=quasi-newton")?;
     }
     if own.tolerance.is_some() {
-        own.contact_tolerance.refuse_without("tolerance=none")?;
+        own.velocity_tolerance.refuse_without("tolerance=none")?;
     }
+    let iterations = match *own.iterations {
+        Or::Word(Auto::Auto) => None,
+        Or::Value(iterations) => {
+            own.most_iterations.refuse_without("iterations=auto")?;
+            own.velocity_tolerance.refuse_without("iterations=auto")?;
+            Some(iterations)
+        }
+    };
     Ok(PdConfig {
-        iterations: *own.iterations,
-        contact_iterations: *own.contact_iterations,
-        contact_tolerance: *own.contact_tolerance,
+        iterations,
+        most_iterations: *own.most_iterations,
+        velocity_tolerance: *own.velocity_tolerance,
         tolerance: *own.tolerance,
         start: *own.start,
         acceleration: match *own.acceleration {

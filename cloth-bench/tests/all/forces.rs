@@ -47,7 +47,7 @@ fn forces_change_the_momentum_and_act_on_the_body() {
         ("xpbd", "substeps=30", 1e-10),
         ("symplectic-euler", "", 1e-10),
         ("implicit-euler", "tolerance=1e-9", 1e-6),
-        ("pd", "contact_tolerance=1e-3", 0.03),
+        ("pd", "velocity_tolerance=1e-3", 0.03),
     ] {
         let mut before = Vec3::zeros();
         let (mut worst, mut largest): (f64, f64) = (0.0, 0.0);
@@ -91,7 +91,7 @@ fn slope_carries_the_weight_and_friction_holds_it() {
     for (method, setting, bound) in [
         ("implicit-euler", "tolerance=1e-9", 1e-5),
         ("xpbd", "substeps=20", 1e-3),
-        ("pd", "contact_tolerance=1e-3", 1e-5),
+        ("pd", "velocity_tolerance=1e-3", 1e-5),
     ] {
         let mut last = None;
         watch(&scene, method, setting, 150, |moment| {

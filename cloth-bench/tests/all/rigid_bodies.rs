@@ -75,7 +75,7 @@ fn cloth_and_ball_keep_their_momentum_in_free_flight() {
             ("xpbd", &["substeps=30"][..], [1e-10, 1e-3]),
             ("symplectic-euler", &[], [1e-10, 1e-3]),
             ("implicit-euler", &["tolerance=1e-9"], [1e-6, 5e-3]),
-            ("pd", &["contact_tolerance=1e-3"], [1e-4, 5e-2]),
+            ("pd", &["velocity_tolerance=1e-3"], [1e-4, 5e-2]),
         ] {
             let (mut off, mut turned, mut slowest): (f64, f64, f64) = (0.0, 0.0, 2.0);
             watch(&scene, method, settings, 20, |moment| {
@@ -129,16 +129,16 @@ fn ball_comes_to_rest_where_the_net_carries_its_weight() {
         .unwrap();
     let weight = 9.81 * rigid.mass();
     for (method, settings, bound) in [
-        ("implicit-euler", &["tolerance=1e-8"][..], [2e-3, 1e-2]),
-        ("pd", &["contact_tolerance=1e-2"], [2e-3, 1e-2]),
+        ("implicit-euler", &["tolerance=1e-8"][..], [2e-3, 4e-3]),
+        ("pd", &["velocity_tolerance=1e-2"], [2e-3, 4e-3]),
     ] {
         let (mut sag, mut force, mut place) = (0.0, 0.0, [0.0; 2]);
         watch(&falling, method, settings, 420, |moment| {
             if moment.step > 300 {
                 let at = body(moment).pose.position;
                 sag += (0.104 - at.z) / 120.0;
-                // It may have rolled between two vertices.
-                place = [at.x, at.y];
+                // It rolls slowly between two vertices, and sinks as it does: the sag is that of the mean place.
+                place = [place[0] + at.x / 120.0, place[1] + at.y / 120.0];
                 force -= moment.forces.unwrap().bodies[0].force.z / 120.0;
             }
         });

@@ -54,7 +54,7 @@ fn apart<const N: usize, const K: usize, E: Energy<N> + Projective<N, K>>(
         },
     ] {
         let config = PdConfig {
-            iterations: 200_000,
+            iterations: Some(200_000),
             tolerance: Some(1e-12),
             acceleration,
             ..PdConfig::default()

@@ -48,14 +48,14 @@ pub(crate) fn solver(model: &ClothModel, config: PdConfig) -> PdSolver {
 
 pub(crate) fn iterations(iterations: u32) -> PdConfig {
     PdConfig {
-        iterations,
+        iterations: Some(iterations),
         ..PdConfig::plain()
     }
 }
 
 pub(crate) fn to_tolerance(tolerance: Real) -> PdConfig {
     PdConfig {
-        iterations: 100_000,
+        iterations: Some(100_000),
         tolerance: Some(tolerance),
         ..PdConfig::plain()
     }

@@ -34,7 +34,7 @@ fn the_residual_is_the_relative_gradient_of_the_objective() {
         shake(&model, &mut state, 0.02);
         let before = state.clone();
         let config = PdConfig {
-            iterations: count,
+            iterations: Some(count),
             tolerance: Some(0.0),
             start,
             ..PdConfig::plain()
@@ -58,7 +58,7 @@ fn a_cloth_of_thousands_of_vertices_converges_to_the_same_conditions() {
     shake(&model, &mut state, 0.002);
     let before = state.clone();
     let config = PdConfig {
-        iterations: 2_000,
+        iterations: Some(2_000),
         tolerance: Some(1e-6),
         ..PdConfig::default()
     };
@@ -107,7 +107,7 @@ fn one_spring_ends_at_implicit_euler_in_closed_form() {
     let expected = predicted.normalize() * length;
     for start in [StartGuess::Previous, StartGuess::Predicted] {
         let config = PdConfig {
-            iterations: 200,
+            iterations: Some(200),
             start,
             ..PdConfig::plain()
         };

@@ -26,7 +26,7 @@ fn work_of_pins_is_their_velocity_times_the_momentum_they_give() {
     for u in [Vec3::new(0.0, 0.0, 0.3), Vec3::new(-0.3, 0.0, 0.1)] {
         for (iterations, bound) in [(3, 0.02), (300, 3e-3)] {
             let config = PdConfig {
-                iterations,
+                iterations: Some(iterations),
                 ..PdConfig::default()
             };
             let mut solver = PdSolver::builder(&model.particles)

@@ -154,7 +154,7 @@ fn threads_do_not_change_a_bit() {
         let mut state = start.clone();
         let config = PdConfig {
             tolerance: Some(1e-9),
-            iterations: 3,
+            iterations: Some(3),
             acceleration,
             ..PdConfig::default()
         };

@@ -188,14 +188,14 @@ fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
     let tolerances = ["1", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6"].map(str::to_owned);
     let variants = Variant::list(
         "implicit-euler, by tolerance
-        pd, by iterations: iterations=5 contact_tolerance=0
+        pd, by iterations: iterations=5
         xpbd, by iterations: substeps=1
         xpbd, by substeps: iterations=1
         pbd, by substeps: iterations=1",
     );
     let keys = [
         "tolerance",
-        "contact_iterations",
+        "iterations",
         "iterations",
         "substeps",
         "substeps",
@@ -359,7 +359,6 @@ mod tests {
             let settings = Settings::default();
             let settings = match name {
                 "xpbd" => settings.with("substeps", 1),
-                "pd" => settings.with("contact_tolerance", 0),
                 _ => settings,
             };
             let reached = |value| problem.reached(method, &settings.clone().with(key, value));
@@ -367,7 +366,7 @@ mod tests {
         };
         let implicit = error("implicit-euler", "tolerance", ["1e-2", "1e-4", "1e-6"]);
         assert!(implicit[0] < 0.1 && implicit[2] < 2e-5, "{implicit:?}");
-        let pd = error("pd", "contact_iterations", ["10", "100", "1000"]);
+        let pd = error("pd", "iterations", ["10", "100", "1000"]);
         assert!(pd[0] > 1.0 && pd[2] < 1e-4, "{pd:?}");
         let xpbd = error("xpbd", "iterations", ["10", "100", "1000"]);
         assert!(xpbd.is_sorted_by(|a, b| a > b) && xpbd[2] > 0.1, "{xpbd:?}");

@@ -13,9 +13,9 @@ const ENDS: [(&str, &str); 8] = [
     ("implicit-euler", "tolerance=3e-2"),
     ("implicit-euler", "tolerance=1e-1"),
     ("implicit-euler", "tolerance=3e-1"),
-    ("pd", "contact_tolerance=3e-1"),
-    ("pd", "contact_tolerance=1e-1"),
-    ("pd", "contact_tolerance=3e-2"),
+    ("pd", "velocity_tolerance=3e-1"),
+    ("pd", "velocity_tolerance=1e-1"),
+    ("pd", "velocity_tolerance=3e-2"),
 ];
 
 /// Scenes, with vertices along in a quick and in a full run.

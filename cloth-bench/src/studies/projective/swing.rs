@@ -198,10 +198,11 @@ fn verdict(n: u32, rows: &[(&str, &str, Errors)]) -> String {
 mod tests {
     use super::*;
 
-    /// Five conjugate gradients in each of three Newton iterations keep the swing. What projective dynamics loses in ten
-    /// iterations rounding alone moves by a seventh: with sums in another order it has been −0.47 and −0.61 here.
+    /// Five conjugate gradients in each of three Newton iterations keep the swing. What projective dynamics loses
+    /// rounding alone moves by a seventh: in ten iterations, with sums in another order, it has been −0.47 and −0.61
+    /// here; with as many as its tolerance takes it is −0.19.
     #[test]
-    fn a_newton_step_cut_short_swings_on_where_projective_dynamics_dies_away() {
+    fn a_newton_step_cut_short_swings_on_where_projective_dynamics_loses_some() {
         let converged = Swing::of(24, EULER, &Settings::of(CONVERGED)).unwrap();
         let relative = |row: usize| {
             let (_, method, settings) = SETTINGS[row];
@@ -213,7 +214,7 @@ mod tests {
         for (found, known) in [(newton.kinetic, -0.084), (newton.stretch, -0.009)] {
             assert!((found - known).abs() < 1e-3, "{found} is not {known}");
         }
-        assert!((-0.7..-0.4).contains(&pd.kinetic), "{}", pd.kinetic);
+        assert!((-0.33..-0.05).contains(&pd.kinetic), "{}", pd.kinetic);
         assert!(pd.stretch.abs() < 0.2, "{}", pd.stretch);
         assert!(newton.are_small() && !pd.are_small());
     }
