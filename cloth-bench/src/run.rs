@@ -325,7 +325,7 @@ impl<'a> Course<'a> {
             let contacts = self.contacts.as_ref();
             let bodies = contacts.map_or(0.0, ContactSource::work);
             let stored = contacts.map_or(0.0, ContactSource::potential_energy);
-            balance.add_work(state, load, report.pin_work, bodies);
+            balance.add_work(state, load, &report, bodies);
             if is_tangled || self.scene.is_closing(state.time, dt) {
                 balance.accept(state, stored);
             }

@@ -229,6 +229,8 @@ pub struct StepReport {
     pub residual: Option<Real>,
     /// Work (J) that prescribed vertices did on the others, if the method adds it up over its substeps.
     pub pin_work: Option<Real>,
+    /// Work (J) of the load, if that is another than the load times the displacement.
+    pub load_work: Option<Real>,
 }
 
 impl StepReport {
@@ -250,6 +252,7 @@ impl StepReport {
             unfinished: 0,
             residual: None,
             pin_work: None,
+            load_work: None,
         }
     }
 
@@ -274,6 +277,7 @@ impl StepReport {
             unfinished: self.unfinished + next.unfinished,
             residual: next.residual,
             pin_work: self.pin_work.zip(next.pin_work).map(|(a, b)| a + b),
+            load_work: self.load_work.zip(next.load_work).map(|(a, b)| a + b),
         }
     }
 }

@@ -272,12 +272,22 @@ impl Objective {
 
     /// `‖M (x − x̃)/Δt²‖` in the same metric (N/√kg): the forces that it takes to end at the point.
     pub(crate) fn inertial_norm(&self, point: &Point) -> Real {
+        let forced = |vertex: usize| point.displacement[vertex] - self.inertial[vertex];
+        self.mass_norm(forced) / (self.dt * self.dt)
+    }
+
+    /// `‖x − x[0]‖_M/Δt` (√J): the velocity with which the step would end at the point.
+    pub(crate) fn speed(&self, point: &Point) -> Real {
+        self.mass_norm(|vertex| point.displacement[vertex]) / self.dt
+    }
+
+    /// Norm in the metric of M (m √kg) of what free vertices have.
+    fn mass_norm(&self, of: impl Fn(usize) -> Vec3) -> Real {
         let particles = &self.particles;
-        let both = point.displacement.iter().zip(&self.inertial);
-        let free = both.zip(particles.mass()).enumerate();
+        let free = particles.mass().iter().enumerate();
         let free = free.filter(|(vertex, _)| !particles.is_prescribed(*vertex));
-        let squares = free.map(|(_, ((q, u), mass))| mass * (q - u).norm_squared());
-        squares.sum::<Real>().sqrt() / (self.dt * self.dt)
+        let squares = free.map(|(vertex, mass)| mass * of(vertex).norm_squared());
+        squares.sum::<Real>().sqrt()
     }
 }
 

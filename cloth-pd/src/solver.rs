@@ -70,6 +70,8 @@ const LEAST_IN_CONTACT: u32 = 30;
 /// 4.8·10⁴ N/m, steps of 1/120 s) at half of its fall, with all of the tolerance it falls 0.6 to 1 times as far as it
 /// should, with this 0.9 to 1.1 times.
 const FREE: Real = 0.5;
+/// Change of velocity, relative to the velocity, that is none: in free fall forces are rounding.
+const IMPERCEPTIBLE: Real = 1e-6;
 /// Part of the tolerance where pins move: what is left of their work in a step stays as strain, and the next adds to
 /// it. With all of it a towel whose ends are turned takes 13 times the work that it should, with this 1.7 times.
 const DRIVEN: Real = 0.3;
@@ -358,7 +360,8 @@ impl PdSolver {
             if !self.point.is_evaluated {
                 self.objective.evaluate(&mut self.point, contact); // the local step
             }
-            if self.is_converged(reference, report, contact) || self.is_balanced() {
+            let flies = goes_on && report.iterations == first && self.flies();
+            if flies || self.is_converged(reference, report, contact) || self.is_balanced() {
                 report.unfinished = 0;
                 return Ok(Outcome::Converged);
             }
@@ -462,6 +465,15 @@ impl PdSolver {
         residual <= tolerance
     }
 
+    /// Whether the cloth flies freely: no force but gravity and the load is felt at the point.
+    fn flies(&self) -> bool {
+        let (objective, point) = (&self.objective, &self.point);
+        let imperceptible = IMPERCEPTIBLE * objective.speed(point) / objective.dt();
+        self.config.tolerance.is_none()
+            && objective.inertial_norm(point) <= imperceptible
+            && objective.norm(&point.gradient) <= imperceptible
+    }
+
     /// Whether the forces at the point are in balance, in a step with active contacts and without a tolerance: cloth
     /// that lies still is done in a few iterations.
     fn is_balanced(&self) -> bool {
@@ -480,7 +492,8 @@ impl PdSolver {
         let Method::QuasiNewton(method) = &self.method else {
             return false;
         };
-        let velocity = self.objective.inertial_norm(&self.point) * self.objective.dt();
+        let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
+        let velocity = forced.max(IMPERCEPTIBLE * self.objective.speed(&self.point));
         let enough = (part * self.config.velocity_tolerance * velocity).powi(2);
         method.decrement() <= enough && gain <= SPAN as Real * enough
     }

@@ -17,7 +17,7 @@
 //! | of | W |
 //! |---|---|
 //! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method has added up over its substeps: explicit ones with ∂E/∂x, XPBD with its multipliers, PBD with the sum of what its visits have moved each row by, projective dynamics with its constant matrix and the projections of its last iterate: the forces that they have used |
-//! | the air, gas inside, and forces of the scene | F·Δx, with the load F of the step |
+//! | the air, gas inside, and forces of the scene | F·Δx, with the load F of the step; with BDF2 F·v Δt, v at its end, where F acts |
 //! | vertices that are held from some time on, or released | the kinetic energy and that of gravity which they take along or bring |
 //! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
 //! | seams that close | the same, after steps in which one does |
@@ -49,6 +49,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::method::family::Energies;
 use cloth_core::particles::{Particles, State};
+use cloth_core::step::StepReport;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -169,18 +170,18 @@ impl EnergyBalance {
         }
     }
 
-    /// Enters the work of a step that ended in `state`, with the load of the air (N), the work of pins (J) if the
-    /// method knows it, and that of bodies (J).
+    /// Enters the work of a step that ended in `state`, with the load of the air (N), the work of pins and of the load
+    /// (J) if the method knows it, and that of bodies (J).
     pub(super) fn add_work(
         &mut self,
         state: &State,
         load: Option<&[Vec3]>,
-        pins: Option<Real>,
+        report: &StepReport,
         bodies: Real,
     ) {
         self.energies.set_time(state.time);
         self.entries.work += bodies;
-        if let Some(pins) = pins {
+        if let Some(pins) = report.pin_work {
             self.entries.work += pins;
         } else if self.pins_move(state) {
             self.differentiate(1, state);
@@ -189,7 +190,8 @@ impl EnergyBalance {
             self.entries.work += self.work_of(state, true, force);
         }
         if let Some(load) = load {
-            self.entries.work += self.work_of(state, false, |v| load[v]);
+            let work = || self.work_of(state, false, |v| load[v]);
+            self.entries.work += report.load_work.unwrap_or_else(work);
         }
     }
 

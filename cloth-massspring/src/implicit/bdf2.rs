@@ -117,6 +117,22 @@ impl Bdf2 {
         jump > JUMP * all
     }
 
+    /// Work (J) at most of a load (N) in a step that ended in `state`: it acts at the end of the step, with the velocity
+    /// there, and moves the cloth from the start. Where it changes with time, as that of the air does, the two differ,
+    /// and the energy that it gives the cloth lies between them.
+    fn work_of(&self, load: &[Vec3], state: &State, dt: Real) -> Real {
+        let particles = &self.implicit.particles;
+        let [start, _] = &self.after;
+        let (mut by_velocity, mut by_displacement) = (0.0, 0.0);
+        for (vertex, force) in load.iter().enumerate() {
+            if !particles.is_prescribed(vertex) {
+                by_velocity += force.dot(&state.velocities[vertex]) * dt;
+                by_displacement += force.dot(&(state.positions[vertex] - start[vertex]));
+            }
+        }
+        by_velocity.max(by_displacement)
+    }
+
     fn remember(&mut self, state: &State) {
         let [positions, velocities] = &mut self.after;
         positions.copy_from_slice(&state.positions);
@@ -142,9 +158,11 @@ impl Stepper for Bdf2 {
                 tau: 2.0 / 3.0 * dt,
                 place: Place::End,
             };
-            let report = self.implicit.advance(state, input, span, |vertex, x, v| {
+            let load = input.load;
+            let mut report = self.implicit.advance(state, input, span, |vertex, x, v| {
                 [third(x, positions[vertex]), third(v, velocities[vertex])]
             })?;
+            report.load_work = load.map(|load| self.work_of(load, state, dt));
             has_jumped = fall.is_some_and(|fall| self.jumps(state, fall));
             report
         } else {
