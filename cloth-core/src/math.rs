@@ -106,27 +106,50 @@ fn arbitrary_direction(pair: [u32; 2]) -> Vec3 {
 }
 
 /// A symmetric Hessian of four vertices (N/m) with its negative eigenvalues treated as `convexity` says; clamped under
-/// [`Convexity::GaussNewton`]. For elements whose eigenvalues have no closed form. On the stack.
+/// [`Convexity::GaussNewton`]. For elements whose eigenvalues have no closed form, and whose energy no translation
+/// changes: its eigenvectors are those of nine combinations of the vertices, in which it is written. On the stack.
 #[must_use]
 pub fn make_semidefinite(blocks: &Blocks<4>, convexity: Convexity) -> Blocks<4> {
     if convexity == Convexity::Exact {
         return *blocks;
     }
+    let columns: [[Mat3; 3]; 4] = std::array::from_fn(|i| differences(&blocks[i]));
+    let reduced: [[Mat3; 3]; 3] =
+        std::array::from_fn(|j| differences(&std::array::from_fn(|i| columns[i][j])));
     let dense =
-        nalgebra::SMatrix::<Real, 12, 12>::from_fn(|r, c| blocks[r / 3][c / 3][(r % 3, c % 3)]);
+        nalgebra::SMatrix::<Real, 9, 9>::from_fn(|r, c| reduced[c / 3][r / 3][(r % 3, c % 3)]);
     let eigen = dense.symmetric_eigen();
     let values = match convexity {
         Convexity::Abs => eigen.eigenvalues.map(Real::abs),
         _ => eigen.eigenvalues.map(|value| value.max(0.0)),
     };
     // V Λ Vᵀ as W Wᵀ with W = V √Λ: symmetric to the last bit.
-    let mut root = eigen.eigenvectors;
-    for (mut column, value) in root.column_iter_mut().zip(values.iter()) {
-        column *= value.sqrt();
+    let mut root = nalgebra::SMatrix::<Real, 12, 9>::zeros();
+    for (column, value) in values.iter().enumerate() {
+        let vector = eigen.eigenvectors.column(column) * value.sqrt();
+        let parts: [Vec3; 3] = std::array::from_fn(|k| vector.fixed_rows::<3>(3 * k).into_owned());
+        for (vertex, part) in vertices_of(&parts).into_iter().enumerate() {
+            root.fixed_view_mut::<3, 1>(3 * vertex, column)
+                .copy_from(&part);
+        }
     }
     let sum = root * root.transpose();
     let block = |i, j| sum.fixed_view::<3, 3>(3 * i, 3 * j).into_owned();
     std::array::from_fn(|i| std::array::from_fn(|j| block(i, j)))
+}
+
+/// Three orthonormal combinations of four vertices that sum to zero: `(0 − 1)/√2`, `(2 − 3)/√2`, `(0 + 1 − 2 − 3)/2`.
+fn differences(of: &[Mat3; 4]) -> [Mat3; 3] {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let [a, b, c, d] = of;
+    [(a - b) * half, (c - d) * half, (a + b - c - d) * 0.5]
+}
+
+/// What the combinations of [`differences`] are at the vertices.
+fn vertices_of([p, q, r]: &[Vec3; 3]) -> [Vec3; 4] {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let (p, q, r) = (p * half, q * half, r * 0.5);
+    [r + p, r - p, q - r, -q - r]
 }
 
 #[cfg(test)]

@@ -109,6 +109,10 @@ impl Energy<4> for CubicShell {
     fn hessian(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
         let arms = [x[1] - x[0], x[2] - x[0], x[3] - x[0]].map(|arm| arm.cross_matrix());
         let [e, a, b] = arms;
+        let cubic = match convexity {
+            Convexity::GaussNewton if self.quadratic >= 0.0 => 0.0,
+            _ => self.cubic,
+        };
         // ∂²V/∂e∂d₂ = −[d₃]×, and so on round; the rows and columns of x₀ make the sums zero.
         let zero = Mat3::zeros();
         let mut volume = [[zero; 4]; 4];
@@ -125,12 +129,12 @@ impl Energy<4> for CubicShell {
         for i in 0..4 {
             for j in 0..4 {
                 let q = self.quadratic * self.coefficients[i] * self.coefficients[j];
-                sum[i][j] = Mat3::identity() * q + volume[i][j] * self.cubic;
+                sum[i][j] = Mat3::identity() * q + volume[i][j] * cubic;
             }
         }
-        // What is convex by its form needs no eigenvalues; there is no constraint whose gradient would make a
-        // Gauss–Newton matrix, so that one is clamped.
-        if self.cubic == 0.0 && self.quadratic >= 0.0 {
+        // What is convex by its form needs no eigenvalues, as the square of the curvature vector, which is what has a
+        // Gauss–Newton matrix.
+        if cubic == 0.0 && self.quadratic >= 0.0 {
             return sum;
         }
         make_semidefinite(&sum, convexity)

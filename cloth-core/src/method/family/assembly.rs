@@ -11,14 +11,33 @@ use std::sync::Arc;
 pub struct Assembly {
     pattern: Arc<BlockPattern>,
     families: Vec<FamilySlots>,
+    is_lumped: bool,
 }
 
 impl Assembly {
-    pub(super) fn new(energies: &Energies, pattern: Arc<BlockPattern>) -> Self {
+    pub(super) fn new(energies: &Energies, pattern: Arc<BlockPattern>, is_lumped: bool) -> Self {
         let families = energies.families.iter();
         Self {
             families: families.map(|family| family.slots(&pattern)).collect(),
             pattern,
+            is_lumped,
+        }
+    }
+
+    /// How a family of elements of so many vertices is linearised where `by` is asked for.
+    pub(super) fn linearization<'a>(
+        &self,
+        stencil_size: usize,
+        by: Linearization<'a>,
+    ) -> Linearization<'a> {
+        let convexity = Convexity::GaussNewton;
+        match by {
+            _ if !self.is_lumped || stencil_size <= 3 => by,
+            Linearization::At { scale, .. } => Linearization::At { scale, convexity },
+            Linearization::Mixed { .. } => Linearization::At {
+                scale: 1.0,
+                convexity,
+            },
         }
     }
 
