@@ -36,6 +36,11 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
         let _ = time;
     }
 
+    /// Whether the eigenvalues of its curvature are found numerically, for want of a closed form. A preconditioner then
+    /// does without the curvature: it is to be right without it, so say so only where [`Convexity::GaussNewton`] leaves
+    /// no direction soft that is stiff.
+    const HAS_NUMERICAL_EIGENVALUES: bool = false;
+
     /// Whether [`Elements`] has a case for them. A builder then takes them as it takes a whole cloth, which is compiled
     /// in its own crate, and not once more wherever it is called. Elements of your own leave it out.
     #[doc(hidden)]

@@ -164,8 +164,8 @@
 //!   too, but lets thin cloth move too far: at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone
 //!   such a matrix would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled
 //!   yet: it is stiff in just the direction that is soft. The pairs bring that curvature back where it is positive;
-//!   pairs of negative curvature are refused. Hinges give their Gauss–Newton matrix, which needs no eigenvalues, and
-//!   the blocks that couple the two vertices opposite an edge are moved to the diagonal
+//!   pairs of negative curvature are refused. Dihedral hinges give their Gauss–Newton matrix, which needs no
+//!   eigenvalues, and the blocks that couple the two vertices opposite an edge are moved to the diagonal
 //!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the pattern of the
 //!   edges.
 //! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that

@@ -227,11 +227,14 @@ impl Bodies {
         rows.map(|row| row.vertex)
     }
 
-    /// Rows of those give in no more.
-    pub(super) fn harden(&mut self) {
+    /// Rows of those, on the way to `x` (m), give in no more.
+    pub(super) fn harden(&mut self, substep: &Substep<'_>, x: &[Vec3]) {
         for row in self.rows.iter_mut().filter(|row| row.is_violated) {
-            let least = row.distance.max(LEAST * row.thickness);
-            (row.state.compliance, row.state.range) = (0.0, row.state.range.min(least));
+            let at = substep
+                .body(row)
+                .signed_distance(x[row.vertex as usize], substep.step.dt);
+            row.state
+                .harden(row.distance, LEAST * row.thickness, at.value);
         }
     }
 

@@ -133,12 +133,11 @@ impl Row {
         }
     }
 
-    /// Gives in no more: for a pair that has come too near.
-    pub(super) fn harden(&mut self) {
+    /// Gives in no more: for a pair that has come too near on the way to `x` (m).
+    pub(super) fn harden(&mut self, x: &[Vec3]) {
         self.pushes = self.ease > 0.0;
-        self.state.compliance = 0.0;
-        let least = self.distance.max(self.least);
-        self.state.range = self.state.range.min(least);
+        let now = self.normal.dot(&self.point(x));
+        self.state.harden(self.distance, self.least, now);
     }
 
     pub(super) fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {

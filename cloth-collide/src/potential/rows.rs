@@ -31,8 +31,8 @@ use cloth_core::math::{Real, Vec3, is_finite};
 pub(super) const SLACK: Real = 0.05;
 /// The part of its distance, or of its range where that is less, that a pair keeps in a substep.
 pub(super) const KEPT: Real = 0.1;
-/// Distances (in ranges) below which the law is that of this distance; and what a pair that is nearer comes back to
-/// when it has to.
+/// Distances (in ranges) below which the law is that of this distance; and what a pair that is nearer comes back to at
+/// most when it has to.
 pub(super) const LEAST: Real = 0.05;
 /// Rounds of sweeps without compliance, and sweeps in each.
 const REPAIRS: u32 = 3;
@@ -187,10 +187,11 @@ impl ContactConstraints for Contacts {
             if round < REPAIRS {
                 for row in &mut self.rows.rows {
                     if row.is_violated {
-                        row.harden();
+                        row.harden(x);
                     }
                 }
-                self.rows.bodies.harden();
+                let substep = Substep::of_cloth(&self.near, &self.bodies, step);
+                self.rows.bodies.harden(&substep, x);
                 for _ in 0..REPAIR_SWEEPS {
                     ContactConstraints::sweep(self, step, x);
                 }

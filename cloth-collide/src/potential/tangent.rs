@@ -52,6 +52,16 @@ pub(super) struct RowState {
 }
 
 impl RowState {
+    /// Gives in no more at the `distance` (m) at the start of the substep, instead of coming `now` (m) near. What is
+    /// nearer than `least` (m) comes back with half of the speed with which it came: all at once, the shorter the
+    /// substep, the faster it would leave.
+    pub(super) fn harden(&mut self, distance: Real, least: Real, now: Real) {
+        let inward = (distance - now).max(0.0);
+        let back = (distance + 0.5 * inward).min(least);
+        self.compliance = 0.0;
+        self.range = self.range.min(distance.max(back));
+    }
+
     /// XPBD's projection, with friction in its cone: the push (kg m) on a `point` (m) at the distance `at`, which gives
     /// way by `ease` (1/kg). Nothing without contact.
     #[inline]

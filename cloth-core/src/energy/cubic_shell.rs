@@ -78,6 +78,7 @@ impl CubicShell {
 
 impl Element<4> for CubicShell {
     const IS_IN_ELEMENTS: bool = true;
+    const HAS_NUMERICAL_EIGENVALUES: bool = true;
 
     #[inline]
     fn vertices(&self) -> [u32; 4] {

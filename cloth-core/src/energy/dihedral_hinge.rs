@@ -244,6 +244,7 @@ fn short_way(angle: Real) -> Real {
 
 impl Element<4> for DihedralHinge {
     const IS_IN_ELEMENTS: bool = true;
+    const HAS_NUMERICAL_EIGENVALUES: bool = true;
 
     #[inline]
     fn vertices(&self) -> [u32; 4] {

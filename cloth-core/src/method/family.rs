@@ -21,6 +21,7 @@ use std::sync::Arc;
 trait EnergyFamily: Debug + Send + Sync {
     /// Vertices of an element.
     fn stencil_size(&self) -> usize;
+    fn has_numerical_eigenvalues(&self) -> bool;
     fn changes_with_time(&self) -> bool;
     fn is_quadratic(&self) -> bool;
     fn set_time(&mut self, time: Real);
@@ -97,6 +98,10 @@ impl<const N: usize, E: Energy<N>> Family<N, E> {
 impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
     fn stencil_size(&self) -> usize {
         N
+    }
+
+    fn has_numerical_eigenvalues(&self) -> bool {
+        E::HAS_NUMERICAL_EIGENVALUES
     }
 
     fn changes_with_time(&self) -> bool {
@@ -395,9 +400,10 @@ impl Energies {
     /// more than three vertices couple, the wing tips of hinges, are *lumped*. Their block is added to the diagonal
     /// blocks of both vertices instead: `x₂ᵀB x₃` becomes `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`, which is the same for a translation
     /// and no less for any other displacement if `B` is positive semi-definite. A vertex that has no other elements
-    /// keeps its pairs. Such elements are taken by [`Convexity::GaussNewton`], whatever is asked for: where hinges
-    /// bend, the eigenvalues of their curvature take five times as long as the rest of an implicit step, which has as
-    /// many iterations without (a sheet of 32 × 32 vertices with dihedral hinges, from 10⁻⁷ to 10⁻³ N·m).
+    /// keeps its pairs. Elements with [numerical eigenvalues](crate::element::Element::HAS_NUMERICAL_EIGENVALUES) are
+    /// taken by [`Convexity::GaussNewton`], whatever is asked for: the eigenvalues of dihedral hinges take five times
+    /// as long as the rest of an implicit step, which has as many iterations without (a sheet of 32 × 32 vertices, from
+    /// 10⁻⁷ to 10⁻³ N·m).
     #[must_use]
     pub fn lumped_assembly(&self) -> Assembly {
         let mut builder = PatternBuilder::new(self.vertex_count);
@@ -477,7 +483,7 @@ impl Energies {
             "assembly of another energy"
         );
         for (family, slots) in self.families.iter().zip(assembly.families()) {
-            let by = assembly.linearization(family.stencil_size(), *by);
+            let by = assembly.linearization(family.has_numerical_eigenvalues(), *by);
             family.add_hessian(slots, x, &by, out);
         }
     }

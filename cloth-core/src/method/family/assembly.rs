@@ -24,15 +24,15 @@ impl Assembly {
         }
     }
 
-    /// How a family of elements of so many vertices is linearised where `by` is asked for.
+    /// How a family is linearised where `by` is asked for, if its eigenvalues are numerical or not.
     pub(super) fn linearization<'a>(
         &self,
-        stencil_size: usize,
+        are_numerical: bool,
         by: Linearization<'a>,
     ) -> Linearization<'a> {
         let convexity = Convexity::GaussNewton;
         match by {
-            _ if !self.is_lumped || stencil_size <= 3 => by,
+            _ if !(self.is_lumped && are_numerical) => by,
             Linearization::At { scale, .. } => Linearization::At { scale, convexity },
             Linearization::Mixed { .. } => Linearization::At {
                 scale: 1.0,
