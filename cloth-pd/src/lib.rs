@@ -398,21 +398,25 @@
 //! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon
 //!   reached and says little: plain, truncated there, the sheet above floats. Check the fall beside the stretch before
 //!   choosing a number of iterations.
-//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. The default (here
-//!   and below [`PdConfig::default`] with a coarse grid of 12 cells, as `cloth-bench` takes it; the builder lays none
-//!   by itself) follows the first half second of the hanging sheet closely; over five seconds its swinging dies away
-//!   sooner than it should. Means over the last 100 of 300 steps, relative to converged implicit Euler, at 64 a side
-//!   (`cloth-bench study projective`, which has the same for 32):
+//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Ten (with a coarse
+//!   grid of 12 cells, as `cloth-bench` takes it; the builder lays none by itself) follow the first half second of the
+//!   hanging sheet closely; over five seconds its swinging dies away sooner than it should, and a sheet of 0.3 m, light
+//!   and stiff (0.1 kg/m², 4.8·10⁴ N/m, 1/120 s), falls by half of what it should. So the default goes on, from ten to
+//!   300 iterations, until its Newton decrement is a twentieth of the change of velocity
+//!   ([`PdConfig::velocity_tolerance`]): with 64 vertices a side, after 300 steps, it has 19 % less kinetic energy than
+//!   implicit Euler, 6 % more stretch and 2.9 times the elastic energy, for 1.5 times the time of ten iterations.
+//!   Numbers of iterations instead; means over the last 100 of 300 steps, relative to converged implicit Euler, at 64 a
+//!   side (`cloth-bench study projective`, which has the same for 32):
 //!
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
 //!   | 8, 6, 5 | −86 | −18 | −28 |
-//!   | 12, 10, 2 (default) | −52 | −3 | −28 |
+//!   | 12, 10, 2 | −52 | −3 | −28 |
 //!   | 16, 18, 2 | −15 | −4 | +6 |
 //!
-//!   At 32 a side the default has a mean stretch of −5 % and a kinetic energy of −46 %. Rounding alone moves the
-//!   kinetic energy: with sums in another order, or with the factor in single precision, it is −44 to −52 % for the
-//!   default at 64 a side and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right
+//!   At 32 a side ten iterations have a mean stretch of −5 % and a kinetic energy of −46 %. Rounding alone moves the
+//!   kinetic energy: with sums in another order, or with the factor in single precision, it is −44 to −52 % for
+//!   ten at 64 a side and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right
 //!   take 16 cells, 18 iterations and 2 pairs; a step then takes 1.6 to 1.7 times as long.
 //!
 //!   *Why.* The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest
@@ -423,7 +427,7 @@
 //!   that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the
 //!   cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have,
-//!   and what should have bent is compressed (9 times the elastic energy with the default, at 64 a side).
+//!   and what should have bent is compressed (9 times the elastic energy with ten iterations, at 64 a side).
 //!
 //!   *Tried in vain*, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from
 //!   the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew;
@@ -460,7 +464,7 @@
 //! # When to use it
 //! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor,
 //! with the whole matrix none raises `G`, and no step size is too large. With the default a step of the sheet above
-//! takes, at 64 a side, about a seventh of the time of converged implicit Euler around multigrid, for a fall within
+//! takes, at 64 a side, about a quarter of the time of converged implicit Euler around multigrid, for a fall within
 //! 0.1 % and a stretch within 3 % after half a second; what to take for longer motion is said above. Where the motion
 //! has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
 //! altogether between steps, the position-based methods have no matrix to factorise; XPBD relaxes the dual of the same
@@ -476,14 +480,14 @@
 //!
 //! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
 //! |---|---|---|---|---|---|---|
-//! | 64 | default | −52 % | −3 % | −28 % | × 9 | 3.7 |
+//! | 64 | 10 iterations | −52 % | −3 % | −28 % | × 9 | 3.7 |
 //! | | 18 iterations, 16 cells | −15 % | −4 % | +6 % | × 2.8 | 5.9 |
 //! | | three Newton iterations of 5 | −3.4 % | +0.6 % | −3.3 % | × 0.94 | 10 |
-//! | 128 | default | −43 % | −2 % | −14 % | × 15 | 25 |
+//! | 128 | 10 iterations | −43 % | −2 % | −14 % | × 15 | 25 |
 //! | | 18 iterations, 16 cells | −8 % | −1.2 % | +10 % | × 4.9 | 42 |
 //! | | three Newton iterations of 5 | −3.0 % | +1.3 % | −11 % | × 0.83 | 72 |
 //!
-//! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd --set iterations=18 --set coarse=16`, or with
+//! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd --set iterations=10`, or `iterations=18` and `coarse=16`, or
 //! `--method implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5` and
 //! `--set start=inertial`; `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics is
 //! 1.6 times as fast or more than any setting of implicit Euler that was tried and keeps most of the swing. Its error
@@ -500,7 +504,8 @@
 //!
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method. `examples/hanging.rs`: iterations against the minimum of `G`.
-//! 2. `solver.rs`: the step; `config.rs`: its settings; `objective.rs`: `G` and its gradient.
+//! 2. `solver.rs`: the step; `solver/end.rs`: when it is done; `config.rs`: its settings; `objective.rs`: `G` and its
+//!    gradient.
 //! 3. `local.rs`: a family of elements; `batch.rs`: the formula of one. For speed: `vertex_blocks.rs`,
 //!    `deinterleaved.rs`, `quadratic.rs`.
 //! 4. `matrix.rs`: A; `global.rs`: its factor; `change.rs`: pins, attachments and elements that come and go.

@@ -1,6 +1,7 @@
 //! The solver: one step, from the prediction to the new velocities.
 
 mod builder;
+mod end;
 
 pub use builder::PdBuilder;
 
@@ -57,8 +58,6 @@ enum Method {
     QuasiNewton(Box<QuasiNewton>),
 }
 
-/// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
-const BALANCED: Real = 1e-8;
 /// Iterations over which the fall of `G` is looked at.
 const SPAN: usize = 5;
 /// Least number of iterations in a step that goes on until it is near enough, and the number in one that does not know.
@@ -70,8 +69,6 @@ const LEAST_IN_CONTACT: u32 = 30;
 /// 4.8·10⁴ N/m, steps of 1/120 s) at half of its fall, with all of the tolerance it falls 0.6 to 1 times as far as it
 /// should, with this 0.9 to 1.1 times.
 const FREE: Real = 0.5;
-/// Change of velocity, relative to the velocity, that is none: in free fall forces are rounding.
-const IMPERCEPTIBLE: Real = 1e-6;
 /// Part of the tolerance where pins move: what is left of their work in a step stays as strain, and the next adds to
 /// it. With all of it a towel whose ends are turned takes 13 times the work that it should, with this 1.7 times.
 const DRIVEN: Real = 0.3;
@@ -439,74 +436,6 @@ impl PdSolver {
             contact.limit(&self.point.positions, &self.point.positions)?;
         }
         Ok(is_higher)
-    }
-
-    /// Whether the tolerance is met at the point.
-    fn is_converged(
-        &mut self,
-        reference: Real,
-        report: &mut StepReport,
-        contact: &Contact<'_>,
-    ) -> bool {
-        let Some(tolerance) = self.config.tolerance else {
-            return false;
-        };
-        let mut reference = reference;
-        if let Some(contact) = contact {
-            // What lands flat is not stretched at x̃.
-            let forces = &mut self.velocities;
-            forces.fill(Vec3::zeros());
-            contact.add_gradient(&self.point.positions, forces);
-            reference = reference.max(self.objective.norm(forces));
-        }
-        let norm = self.objective.norm(&self.point.gradient);
-        let residual = if norm > 0.0 { norm / reference } else { 0.0 };
-        report.residual = Some(residual);
-        residual <= tolerance
-    }
-
-    /// Whether the cloth flies freely: no force but gravity and the load is felt at the point.
-    fn flies(&self) -> bool {
-        let (objective, point) = (&self.objective, &self.point);
-        let imperceptible = IMPERCEPTIBLE * objective.speed(point) / objective.dt();
-        self.config.tolerance.is_none()
-            && objective.inertial_norm(point) <= imperceptible
-            && objective.norm(&point.gradient) <= imperceptible
-    }
-
-    /// Whether the forces at the point are in balance, in a step with active contacts and without a tolerance: cloth
-    /// that lies still is done in a few iterations.
-    fn is_balanced(&self) -> bool {
-        if self.config.tolerance.is_some() || !self.has_contact() {
-            return false;
-        }
-        let objective = &self.objective;
-        let forces = objective.inertial_norm(&self.point);
-        objective.norm(&self.point.gradient) <= BALANCED * forces
-    }
-
-    /// Whether the end of a step is near enough, by a part of the tolerance: by what the last direction
-    /// promises, and by `gain` (J), which is by how much `G` has fallen in [`SPAN`] iterations. Pairs that mislead make
-    /// the first small.
-    fn is_near(&self, part: Real, gain: Real) -> bool {
-        let Method::QuasiNewton(method) = &self.method else {
-            return false;
-        };
-        let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
-        let velocity = forced.max(IMPERCEPTIBLE * self.objective.speed(&self.point));
-        let enough = (part * self.config.velocity_tolerance * velocity).powi(2);
-        method.decrement() <= enough && gain <= SPAN as Real * enough
-    }
-
-    /// Whether a contact was active where the last iteration began.
-    fn has_contact(&self) -> bool {
-        match &self.method {
-            Method::QuasiNewton(method) => {
-                let system = method.contact_system();
-                system.is_some_and(|system| !system.rows.is_empty())
-            }
-            _ => false,
-        }
     }
 
     /// One iteration. Returns whether it found no lower point.
