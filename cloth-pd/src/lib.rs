@@ -279,16 +279,17 @@
 //!   problem while it is solved: up to [`PdConfig::most_iterations`], with twenty pairs in every step that is given
 //!   contacts, until what the iteration still has to move is a tenth of what forces have moved
 //!   ([`PdConfig::velocity_tolerance`]). In a step in which anything pushes it takes 30 iterations at least, unless
-//!   forces balance to 10⁻⁸ or the line search fails first; and a few hundred in a fold. Six sheets of 33 vertices a side on a turning
-//!   box, each with 0.3 % more bending rigidity than the one before (`cloth-bench run drape-box --steps 30`), fall
-//!   0.074 m with a spread of 0.003 m and are stretched by 0.3 %; with converged implicit Euler 0.074 and 0.001 m, 0.2
-//!   %; with 30 iterations in every step 0.068 and 0.006 m, 0.8 %. A ribbon that folds down on itself
-//!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.484 m, with 20 iterations at most 0.442 m; implicit Euler 0.494
-//!   m. If the end is above `G` at the start of the step all the same, it is taken again from there.
+//!   forces balance to 10⁻⁸ or the line search fails first; and a few hundred in a fold. Six sheets of 33 vertices a
+//!   side on a turning box, each with 0.3 % more bending rigidity than the one before (`cloth-bench run drape-box
+//!   --steps 30`), fall 0.074 m with a spread of 0.003 m and are stretched by 0.3 %; with converged implicit Euler
+//!   0.074 and 0.001 m, 0.2 %; with 30 iterations in every step 0.068 and 0.006 m, 0.8 %. A ribbon that folds down on
+//!   itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.484 m, with 20 iterations at most 0.442 m; implicit
+//!   Euler 0.494 m. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
-//! Where pins move more is asked for: what a step leaves of their work stays as strain, and the next adds to it. A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.019 J with
-//! implicit Euler; with ten iterations a step 0.36 J, with a tenth of what forces have moved 0.25 J, with the three
-//! hundredths that are asked for there 0.031 J.
+//! Where pins move more is asked for: what a step leaves of their work stays as strain, and the next adds to it. A
+//! towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.019 J with implicit Euler; with ten
+//! iterations a step 0.36 J, with a tenth of what forces have moved 0.25 J, with the three hundredths that are asked
+//! for there 0.031 J.
 //!
 //! So every accepted iterate, and the straight path from one to the next, is free of intersections. A sheet with 64
 //! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m (`cloth-bench/scenes/ball.toml`) is
@@ -487,12 +488,12 @@
 //! | | 18 iterations, 16 cells | −8 % | −1.2 % | +10 % | × 4.9 | 42 |
 //! | | three Newton iterations of 5 | −3.0 % | +1.3 % | −11 % | × 0.83 | 72 |
 //!
-//! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd --set iterations=10`, or `iterations=18` and `coarse=16`, or
-//! `--method implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5` and
-//! `--set start=inertial`; `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics is
-//! 1.6 times as fast or more than any setting of implicit Euler that was tried and keeps most of the swing. Its error
-//! does not become small, though: for 1.7 times the time of its best setting the energy is right and the folds are bent
-//! rather than compressed.
+//! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd --set iterations=10`, or `iterations=18` and
+//! `coarse=16`, or `--method implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5`
+//! and `--set start=inertial`; `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics
+//! is 1.6 times as fast or more than any setting of implicit Euler that was tried and keeps most of the swing. Its
+//! error does not become small, though: for 1.7 times the time of its best setting the energy is right and the folds
+//! are bent rather than compressed.
 //!
 //! In contact a step takes more iterations, so these times do not hold there; `cloth-bench study decision` has a table
 //! with contact.
