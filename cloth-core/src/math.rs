@@ -1,6 +1,7 @@
 //! The only place where the scalar and the small-vector types are chosen.
 
 use crate::element::Convexity;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// The scalar of the whole workspace.
 pub type Real = f64;
@@ -140,15 +141,17 @@ pub fn make_semidefinite(blocks: &Blocks<4>, convexity: Convexity) -> Blocks<4> 
 
 /// Three orthonormal combinations of four vertices that sum to zero: `(0 − 1)/√2`, `(2 − 3)/√2`, `(0 + 1 − 2 − 3)/2`.
 fn differences(of: &[Mat3; 4]) -> [Mat3; 3] {
-    let half = std::f64::consts::FRAC_1_SQRT_2;
     let [a, b, c, d] = of;
-    [(a - b) * half, (c - d) * half, (a + b - c - d) * 0.5]
+    [
+        (a - b) * FRAC_1_SQRT_2,
+        (c - d) * FRAC_1_SQRT_2,
+        (a + b - c - d) * 0.5,
+    ]
 }
 
 /// What the combinations of [`differences`] are at the vertices.
 fn vertices_of([p, q, r]: &[Vec3; 3]) -> [Vec3; 4] {
-    let half = std::f64::consts::FRAC_1_SQRT_2;
-    let (p, q, r) = (p * half, q * half, r * 0.5);
+    let (p, q, r) = (p * FRAC_1_SQRT_2, q * FRAC_1_SQRT_2, r * 0.5);
     [r + p, r - p, q - r, -q - r]
 }
 

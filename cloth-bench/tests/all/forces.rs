@@ -2,27 +2,16 @@
 //! the other way round.
 
 use crate::program::program;
+use crate::rigid_bodies;
 use crate::scene_text::{scene, written};
-use cloth_bench::method::Method;
-use cloth_bench::run::{Moment, Plan, Solver, run_changing};
+use cloth_bench::run::Moment;
 use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
 
-fn watch(scene: &Scene, method: &str, setting: &str, steps: u32, mut see: impl FnMut(&Moment<'_>)) {
-    let settings = Settings::parse(&[setting][..usize::from(!setting.is_empty())]).unwrap();
-    let method = Method::find(method).unwrap();
-    let mut solver = Solver::new(method, &settings, scene, scene.dt).unwrap();
-    let mut state = scene.start.clone();
-    let plan = Plan {
-        forces: true,
-        ..Plan::new(scene.dt, steps)
-    };
-    let see = |moment: &Moment<'_>| {
-        see(moment);
-        Ok(())
-    };
-    run_changing(scene, &mut solver, &mut state, plan, see).unwrap();
+fn watch(scene: &Scene, method: &str, setting: &str, steps: u32, see: impl FnMut(&Moment<'_>)) {
+    let settings = &[setting][..usize::from(!setting.is_empty())];
+    rigid_bodies::watch(scene, method, settings, steps, see);
 }
 
 fn momentum(scene: &Scene, velocities: &[Vec3]) -> Vec3 {
