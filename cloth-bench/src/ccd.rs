@@ -2,7 +2,7 @@
 //! how long does it take?
 
 mod additive;
-mod coplanarity;
+pub mod coplanarity;
 pub mod exact_queries;
 mod file;
 

@@ -65,7 +65,7 @@ fn patiently<T>(work: impl FnOnce() -> T) -> T {
 }
 
 /// Does `work`, and lets another thread `say` something after every `interval` that it takes.
-fn while_saying<T>(interval: Duration, say: impl Fn() + Send, work: impl FnOnce() -> T) -> T {
+pub fn while_saying<T>(interval: Duration, say: impl Fn() + Send, work: impl FnOnce() -> T) -> T {
     let (done, is_done) = mpsc::channel::<()>();
     std::thread::scope(|scope| {
         scope.spawn(move || {
@@ -114,25 +114,4 @@ fn print_pairs(json: bool, pairs: &[(&str, serde_json::Value)]) -> Result<(), Be
         value => format!("{name:width$}  {value}"),
     };
     print(&pairs.iter().map(line).collect::<Vec<_>>().join("\n"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::sync::atomic::{AtomicU32, Ordering};
-
-    #[test]
-    fn long_work_is_spoken_of_until_it_ends() {
-        let said = AtomicU32::new(0);
-        let say = || {
-            said.fetch_add(1, Ordering::Relaxed);
-        };
-        let result = while_saying(Duration::from_millis(1), say, || {
-            while said.load(Ordering::Relaxed) < 3 {
-                std::thread::yield_now();
-            }
-            7
-        });
-        assert_eq!(result, 7);
-    }
 }

@@ -75,20 +75,3 @@ pub(crate) fn cut(text: &str, most: usize) -> Cow<'_, str> {
     let tail: String = text.chars().skip(count - tail).collect();
     format!("{head}…{tail}").into()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_a_message_repeats_has_a_bounded_length() {
-        let told = |message: &str| BenchError::usage(message).to_string();
-        let [words, word] = ["ä b ".repeat(300), "ä".repeat(300)];
-        let message = told(&format!("{word} is `{words}` (known: {words})"));
-        assert_eq!(message.chars().count(), 240 + 5 + 120 + 10 + 1200 + 1);
-        let short = "n is `x`, but it has to be a whole number";
-        assert_eq!(told(short), short);
-        assert_eq!(cut("abcdefghij", 7), "abcd…ij");
-        assert_eq!(cut("abcdefg", 7), "abcdefg");
-    }
-}

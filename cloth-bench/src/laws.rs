@@ -1,19 +1,19 @@
 //! Closed forms beside what the code does.
 
 mod bending_spring;
-mod buckling;
+pub mod buckling;
 mod catenary;
 mod chain_rate;
 mod chains;
 mod constraints;
-mod contact;
-pub(crate) mod elastica;
+pub mod contact;
+pub mod elastica;
 pub(crate) mod elements;
 pub(crate) mod factors;
 pub(crate) mod models;
 mod motion;
 mod patch;
-mod point_mass;
+pub mod point_mass;
 mod prelude;
 mod space;
 pub(crate) mod strip;

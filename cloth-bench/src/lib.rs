@@ -7,7 +7,7 @@ pub mod crumpled;
 pub mod error;
 pub mod export;
 mod files;
-mod hash;
+pub mod hash;
 pub mod journal;
 pub mod laws;
 pub mod memory;

@@ -12,7 +12,7 @@
 //! - [`scale`]: ranges and ticks
 
 pub mod arrow;
-mod canvas;
+pub mod canvas;
 pub mod facts;
 pub mod html;
 mod layout;

@@ -6,7 +6,7 @@ mod cloth;
 mod contact;
 pub mod file;
 mod midpoints;
-mod pins;
+pub mod pins;
 mod touching;
 
 pub use build::build;

@@ -16,33 +16,33 @@ mod acceleration;
 mod bending;
 mod cases;
 mod collision;
-mod contact;
-mod convergence;
-mod decision;
-mod energy;
-mod independence;
-mod interleaved;
-mod locking;
-mod meshes_and_steps;
-mod newton;
+pub mod contact;
+pub mod convergence;
+pub mod decision;
+pub mod energy;
+pub mod independence;
+pub mod interleaved;
+pub mod locking;
+pub mod meshes_and_steps;
+pub mod newton;
 mod prelude;
-mod projective;
-mod recovery;
+pub mod projective;
+pub mod recovery;
 mod sag;
 mod scale;
-mod sheets;
-mod skip;
-mod stability;
+pub mod sheets;
+pub mod skip;
+pub mod stability;
 mod stiffness;
 mod study_run;
 mod threads;
-mod variants;
+pub mod variants;
 mod work_precision;
 mod xpbd_floor;
 
 pub use cases::{Cases, Progress, Share};
-pub use locking::Locking;
-pub use projective::{constant_matrix, local_bytes, move_bytes};
+pub use locking::count::Locking;
+pub use projective::factor::{constant_matrix, local_bytes, move_bytes};
 use study_run::StudyRun;
 
 use crate::error::BenchError;
@@ -283,55 +283,4 @@ fn capitalised(name: &str) -> String {
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().chain(letters).collect()
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::journal::RunHeader;
-
-    /// A study for whose cases nothing is run: those in `failed` have failed, all others have default values. Gives the
-    /// findings and the names of the others.
-    fn ended(study: &Study, failed: &[String]) -> Result<(String, Vec<String>), BenchError> {
-        let folder = format!("cloth-studies-{}-{}", study.name, std::process::id());
-        let folder = std::env::temp_dir().join(folder);
-        let heading = RunHeader {
-            studies: vec![study.name.into()],
-            quick: true,
-            facts: Vec::new(),
-        };
-        let mut journal = Journal::begin(&folder, heading)?;
-        for case in failed {
-            journal.fail(study.name, case, format!("{case} diverged"));
-        }
-        let found = study.run(Scope::Quick, &mut journal, Share::Nothing, &mut |_| {});
-        drop(journal);
-        std::fs::remove_dir_all(&folder)?;
-        let (findings, others) = found?;
-        let text = serde_json::to_string(&findings)?;
-        Ok((text, others))
-    }
-
-    /// Whether every second case fails, or the others do, or all: the study has a section that says so.
-    #[test]
-    fn a_failed_case_is_a_finding_of_its_study() {
-        let mut aborted = Vec::new();
-        for study in STUDIES {
-            let (_, cases) = ended(study, &[]).unwrap();
-            let every_second = |from| cases.iter().skip(from).step_by(2).cloned().collect();
-            for failed in [every_second(0), every_second(1), cases.clone()] {
-                let is_said = |text: &str| {
-                    failed
-                        .iter()
-                        .any(|case| text.contains(&format!("{case} diverged")))
-                };
-                match ended(study, &failed) {
-                    Ok((text, _)) if is_said(&text) => {}
-                    Ok(_) => aborted.push(format!("{}: no failure is said", study.name)),
-                    Err(error) => aborted.push(format!("{}: {error}", study.name)),
-                }
-            }
-        }
-        assert!(aborted.is_empty(), "{}", aborted.join("\n"));
-    }
 }

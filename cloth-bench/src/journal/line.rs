@@ -9,7 +9,10 @@ const DIGITS: usize = 16;
 const AFTER: &str = "\"}";
 
 /// The line, with its end.
-pub(super) fn write(value: &impl Serialize) -> serde_json::Result<String> {
+///
+/// # Errors
+/// That of `serde_json`.
+pub fn write(value: &impl Serialize) -> serde_json::Result<String> {
     let json = serde_json::to_string(value)?;
     let object = json.strip_suffix('}').unwrap_or(&json);
     let checksum = fnv1a(object.bytes());
@@ -20,7 +23,7 @@ pub(super) fn write(value: &impl Serialize) -> serde_json::Result<String> {
 ///
 /// # Errors
 /// Why it is not as it was written.
-pub(super) fn read<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
+pub fn read<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
     let end = line
         .len()
         .checked_sub(BEFORE.len() + DIGITS + AFTER.len())
@@ -31,28 +34,4 @@ pub(super) fn read<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
         return Err("its checksum is another".into());
     }
     serde_json::from_slice(&[object, b"}"].concat()).map_err(|error| error.to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::{Value, json};
-
-    #[test]
-    fn any_changed_byte_is_noticed() {
-        let value = json!({"case": "k = 200 N/m", "found": {"error": 0.1}, "none": null});
-        let line = write(&value).unwrap();
-        let whole: Value = serde_json::from_str(&line).unwrap();
-        assert_eq!(whole["case"], value["case"], "every line is JSON");
-        let line = line.trim_end().as_bytes();
-        assert_eq!(read(line), Ok(value));
-        for place in 0..line.len() {
-            for change in 1..=255 {
-                let mut changed = line.to_vec();
-                changed[place] ^= change;
-                assert!(read::<Value>(&changed).is_err(), "byte {place} ^ {change}");
-            }
-            assert!(read::<Value>(&line[..place]).is_err());
-        }
-    }
 }

@@ -19,7 +19,8 @@ pub(crate) struct Qualities {
 
 impl Method {
     /// Colour and marker in every plot; none for a method of one's own.
-    pub(crate) fn look(&self) -> Option<(Rgb, Marker)> {
+    #[must_use]
+    pub fn look(&self) -> Option<(Rgb, Marker)> {
         Some(match self.kind {
             Kind::Explicit => ([0x4a, 0xad, 0xeb], Marker::Plus),
             Kind::Symplectic => ([0x3a, 0x2a, 0x8c], Marker::Star),
@@ -70,7 +71,8 @@ impl Method {
     }
 
     /// Whether no step is stable, however short: forward Euler, whose oscillators grow by √(1 + z²) a step.
-    pub(crate) fn is_never_stable(&self) -> bool {
+    #[must_use]
+    pub fn is_never_stable(&self) -> bool {
         matches!(self.kind, Kind::Explicit)
     }
 

@@ -12,7 +12,7 @@ use super::html::escape;
 use super::palette::{Look, Marker, Rgb};
 
 /// Width of every figure (px).
-pub(super) const WIDTH: i32 = 900;
+pub const WIDTH: i32 = 900;
 /// Distance of two lines of a legend (px).
 pub(super) const LINE: i32 = 18;
 /// Canvas units in a pixel.
@@ -227,7 +227,8 @@ fn printable(text: &str) -> String {
 
 /// About how wide (px) `text` is in a sans-serif font of `size` (px), rather too wide than too
 /// narrow: fonts differ.
-pub(super) fn text_width(text: &str, size: i32) -> i32 {
+#[must_use]
+pub fn text_width(text: &str, size: i32) -> i32 {
     let em: f64 = text
         .chars()
         .map(|letter| match letter {
@@ -243,7 +244,8 @@ pub(super) fn text_width(text: &str, size: i32) -> i32 {
 
 /// `text` in lines at most about `width` px wide, broken at blanks, and inside words only where a
 /// single word is longer.
-pub(super) fn wrap(text: &str, size: i32, width: i32) -> Vec<String> {
+#[must_use]
+pub fn wrap(text: &str, size: i32, width: i32) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();
     for word in text.split_whitespace() {
@@ -265,30 +267,4 @@ pub(super) fn wrap(text: &str, size: i32, width: i32) -> Vec<String> {
         lines.push(line);
     }
     lines
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn wrapped_lines_fit_and_lose_nothing() {
-        let text =
-            "a few words and averyverylongwordwithoutanyblankinsideitatallreally and an end then";
-        let lines = wrap(text, 13, 120);
-        assert!(
-            lines.iter().all(|line| text_width(line, 13) <= 130),
-            "{lines:?}"
-        );
-        assert_eq!(lines.concat().replace(' ', ""), text.replace(' ', ""));
-        let short = text.replace(
-            "averyverylongwordwithoutanyblankinsideitatallreally",
-            "more",
-        );
-        for width in 60..400 {
-            assert_eq!(wrap(&short, 13, width).join(" "), short, "words stay whole");
-        }
-        assert!(wrap("", 13, 100).is_empty());
-        assert_eq!(wrap("one line", 13, 500), ["one line"]);
-    }
 }

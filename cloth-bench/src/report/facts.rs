@@ -82,7 +82,8 @@ fn processor() -> Option<String> {
 }
 
 /// The model in the text of `/proc/cpuinfo`.
-fn model(cpuinfo: &str) -> Option<String> {
+#[must_use]
+pub fn model(cpuinfo: &str) -> Option<String> {
     let names = ["model name", "Processor", "Model", "cpu model"];
     let value = |name| {
         let lines = cpuinfo.lines().filter_map(|line| line.split_once(':'));
@@ -104,7 +105,8 @@ fn seconds_now() -> u64 {
 }
 
 /// `seconds` after the start of 1970 as `2026-02-28 13:05`.
-fn date(seconds: u64) -> String {
+#[must_use]
+pub fn date(seconds: u64) -> String {
     // Count years from 1 March 0000: the leap day is then the last day of the year, and eras of
     // 400 years all have 146 097 days (Hinnant, "chrono-compatible low-level date algorithms").
     let days = seconds / 86_400 + 719_468;
@@ -121,38 +123,4 @@ fn date(seconds: u64) -> String {
     let year = era * 400 + year + carry;
     let (hour, minute) = (seconds / 3_600 % 24, seconds / 60 % 60);
     format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dates_agree_with_the_calendar() {
-        assert_eq!(date(0), "1970-01-01 00:00");
-        assert_eq!(date(951_782_400), "2000-02-29 00:00");
-        assert_eq!(date(1_772_283_900), "2026-02-28 13:05");
-        assert_eq!(date(4_107_542_399), "2100-02-28 23:59");
-        assert_eq!(date(4_107_542_400), "2100-03-01 00:00");
-    }
-
-    #[test]
-    fn the_model_is_read_from_cpuinfo() {
-        let text = "processor\t: 0\nmodel\t\t: 1\nmodel name\t: AMD EPYC 7B13\nflags\t: a\n";
-        assert_eq!(model(text).as_deref(), Some("AMD EPYC 7B13"));
-        assert_eq!(model("processor : 0\n"), None);
-    }
-
-    #[test]
-    fn every_fact_has_a_value() {
-        let facts = collect();
-        assert!(
-            facts
-                .iter()
-                .all(|(name, value)| !name.is_empty() && !value.is_empty())
-        );
-        for name in ["commit", "processor", "threads", "compiler"] {
-            assert!(facts.iter().any(|(known, _)| known == name));
-        }
-    }
 }

@@ -9,7 +9,10 @@ const HIGHEST: Real = 0.01;
 
 /// The vertices that `text` names: `none`, `corners` (of the sheet seen along `up`, both at one end of it), `highest`,
 /// or numbers.
-pub(super) fn chosen(text: &str, positions: &[Vec3], up: Vec3) -> Result<Vec<usize>, BenchError> {
+///
+/// # Errors
+/// [`BenchError::Usage`] for what is none of these, and for a vertex that is not there.
+pub fn chosen(text: &str, positions: &[Vec3], up: Vec3) -> Result<Vec<usize>, BenchError> {
     match text {
         "none" => Ok(Vec::new()),
         "corners" => Ok(corners(positions, up)),
@@ -50,7 +53,8 @@ fn highest(positions: &[Vec3], up: Vec3) -> Vec<usize> {
 }
 
 /// The two vertices that lie farthest out in the two diagonal directions on one side of the sheet.
-fn corners(positions: &[Vec3], up: Vec3) -> Vec<usize> {
+#[must_use]
+pub fn corners(positions: &[Vec3], up: Vec3) -> Vec<usize> {
     let across = if up.x.abs() > 0.5 {
         Vec3::y()
     } else {
@@ -71,27 +75,4 @@ fn corners(positions: &[Vec3], up: Vec3) -> Vec<usize> {
         .collect();
     found.dedup();
     found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use cloth_core::mesh::generate::{Diagonals, grid};
-
-    #[test]
-    fn corners_of_a_grid_are_two_ends_of_one_side() {
-        let mesh = grid(5, 4, 1.0, 0.75, Diagonals::OneWay).unwrap();
-        let held = corners(mesh.positions(), Vec3::z());
-        assert_eq!(held.len(), 2);
-        let span = mesh.positions()[held[0]] - mesh.positions()[held[1]];
-        assert!((span.norm() - 1.0).abs() < 1e-15, "{span}");
-    }
-
-    #[test]
-    fn a_pin_that_does_not_exist_is_named() {
-        let mesh = grid(3, 3, 1.0, 1.0, Diagonals::OneWay).unwrap();
-        let error = chosen("0,99", mesh.positions(), Vec3::z()).unwrap_err();
-        assert!(error.to_string().contains("vertex 99"), "{error}");
-        assert!(chosen("0,x", mesh.positions(), Vec3::z()).is_err());
-    }
 }

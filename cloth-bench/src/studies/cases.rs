@@ -49,7 +49,8 @@ pub struct Cases<'a> {
 }
 
 impl<'a> Cases<'a> {
-    pub(super) fn new(
+    /// Cases of the study of that name; without a journal none is kept.
+    pub fn new(
         study: &'static str,
         journal: Option<&'a mut Journal>,
         share: Share,
@@ -78,7 +79,7 @@ impl<'a> Cases<'a> {
     /// # Errors
     /// That of `work`, now or then; [`BenchError::Failed`] if the journal cannot be written, or if the name is not the
     /// only one of its kind.
-    pub(crate) fn case<T: Serialize + DeserializeOwned + Default>(
+    pub fn case<T: Serialize + DeserializeOwned + Default>(
         &mut self,
         name: &str,
         work: impl FnOnce() -> Result<T, BenchError>,
@@ -109,7 +110,7 @@ impl<'a> Cases<'a> {
     /// The results of one case per item, in their order. Those that are not finished are run side by side, as many as
     /// rayon has threads, each with one thread of its own. For results that hold no times: cores that are all busy
     /// share their memory, and measure each other.
-    pub(crate) fn side_by_side<I, T>(
+    pub fn side_by_side<I, T>(
         &mut self,
         items: &[I],
         name: impl Fn(&I) -> String,
@@ -251,7 +252,8 @@ impl<'a> Cases<'a> {
     }
 
     /// The cases that were neither finished nor run.
-    pub(super) fn left_out(&self) -> &[String] {
+    #[must_use]
+    pub fn left_out(&self) -> &[String] {
         &self.left_out
     }
 }
@@ -294,96 +296,5 @@ impl<T, F: FnMut() -> Result<T, BenchError>> LazyCell<T, F> {
     pub(crate) fn get(&mut self) -> Result<&T, BenchError> {
         let found = self.found.get_or_insert_with(&mut self.find);
         found.as_ref().map_err(Clone::clone)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::journal::RunHeader;
-    use std::sync::Mutex;
-
-    fn heading() -> RunHeader {
-        RunHeader {
-            studies: vec!["squares".into()],
-            quick: true,
-            facts: Vec::new(),
-        }
-    }
-
-    /// The journal has no word for a number that is none: said at once, of the case.
-    #[test]
-    fn a_result_that_is_no_number_is_an_error_of_its_case() {
-        let mut progress = |_: Progress<'_>| {};
-        let mut cases = Cases::new("squares", None, Share::All, &mut progress, None);
-        let error = cases.case("root of -1", || Ok(f64::NAN)).unwrap_err();
-        let said = error.to_string();
-        assert!(
-            said.contains("case `root of -1` of study `squares`"),
-            "{said}"
-        );
-        let every = cases.side_by_side(&[-1.0], |x| format!("{x}"), |x: &f64| Ok(x.sqrt()));
-        assert!(
-            every[0]
-                .as_ref()
-                .unwrap_err()
-                .to_string()
-                .contains("case `-1`")
-        );
-    }
-
-    /// Results come in the order of the items, whichever ended first; what is finished is not run again, and what falls
-    /// to another run is left out.
-    #[test]
-    fn cases_side_by_side_are_those_one_after_the_other() {
-        let folder = std::env::temp_dir().join(format!("cloth-cases-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        let items: Vec<u64> = (0..40).collect();
-        let name = |item: &u64| format!("{item} squared");
-        let made = Mutex::new(Vec::new());
-        let work = |&item: &u64| {
-            // The later the sooner done.
-            std::thread::sleep(std::time::Duration::from_micros(50 * (40 - item)));
-            made.lock().unwrap().push(item);
-            if item == 7 {
-                return Err(BenchError::Failed("seven".into()));
-            }
-            Ok(item * item)
-        };
-        let run = |journal: &mut Journal, share| {
-            let mut seen = 0;
-            let mut progress = |_: Progress<'_>| seen += 1;
-            let mut cases = Cases::new("squares", Some(journal), share, &mut progress, None);
-            let every = cases.side_by_side(&items, name, work);
-            let left_out = cases.left_out().len();
-            let made = std::mem::take(&mut *made.lock().unwrap());
-            let every: Vec<Result<u64, String>> = every
-                .into_iter()
-                .map(|found| found.map_err(|error| error.to_string()))
-                .collect();
-            (every, made.len(), left_out, seen)
-        };
-        let expected: Vec<Result<u64, String>> = items
-            .iter()
-            .map(|&item| match item {
-                7 => Err("seven".to_owned()),
-                _ => Ok(item * item),
-            })
-            .collect();
-        let mut journal = Journal::begin(&folder, heading()).unwrap();
-        let shard = Share::One("1/2".parse().unwrap());
-        let (_, made_first, left_out, _) = run(&mut journal, shard);
-        assert!(made_first > 0 && made_first + left_out == 40);
-        assert_eq!(journal.len(), made_first);
-        let (every, made, none, seen) = run(&mut journal, Share::All);
-        assert_eq!(
-            (every, made, none, seen),
-            (expected.clone(), left_out, 0, 40)
-        );
-        drop(journal);
-        let mut journal = Journal::resume(&folder, heading()).unwrap();
-        let (every, made, none, _) = run(&mut journal, Share::Nothing);
-        assert_eq!((every, made, none), (expected, 0, 0));
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -1,10 +1,10 @@
 //! The comparison with contact in it.
 
-mod cylinder;
-mod laws;
+pub mod cylinder;
+pub mod laws;
 mod motion;
-mod step;
-mod survival;
+pub mod step;
+pub mod survival;
 
 use crate::studies::prelude::*;
 

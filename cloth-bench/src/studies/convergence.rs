@@ -1,6 +1,6 @@
 //! Error inside one implicit step, per iteration and per second, for every method.
 
-mod variants;
+pub mod variants;
 
 use super::cases::LazyCell;
 use super::sheets::TestSheet;

@@ -1,7 +1,7 @@
 //! Every method on one line: what it costs, how good it is, and where it is not to be used.
 
-mod columns;
-mod measure;
+pub mod columns;
+pub mod measure;
 mod shortened;
 
 use super::{capitalised, scale};
@@ -44,11 +44,15 @@ fn methods() -> impl Iterator<Item = &'static Method> {
 
 /// A method with all that was found of it.
 #[derive(Debug)]
-struct Row {
-    method: &'static str,
-    cost: Option<Cost>,
-    step: Option<Step>,
-    contact: Option<Contact>,
+pub struct Row {
+    /// Name of the method.
+    pub method: &'static str,
+    /// What its steps take.
+    pub cost: Option<Cost>,
+    /// What it makes of single steps.
+    pub step: Option<Step>,
+    /// What it makes of contact.
+    pub contact: Option<Contact>,
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
@@ -127,7 +131,8 @@ fn data(rows: &[Row]) -> Table {
 }
 
 /// The numbers as a reader wants them, judged; a method that `foretold` why it fails has a line of its own.
-fn shown(scope: Scope, rows: &[Row], foretold: &str) -> Table {
+#[must_use]
+pub fn shown(scope: Scope, rows: &[Row], foretold: &str) -> Table {
     let [small, large] = measure::sides(scope).map(|side| format!("{side} × {side}"));
     let names = COLUMNS.iter().map(|column| {
         column
@@ -384,53 +389,4 @@ fn cuts(study: &mut StudyRun<'_>) {
     study
         .findings
         .answer("Iterations or substeps under contact?", answer);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What every method makes of a step, a stiff sheet and a fold does not depend on the machine.
-    #[test]
-    fn steps_are_ordered_as_theory_has_it() {
-        let of = |name: &str| {
-            let method = Method::find(name).unwrap();
-            Step::measure(Scope::Quick, method).unwrap()
-        };
-        let names = ["implicit-euler", "pd", "linear-implicit", "pbd"];
-        let steps = names.map(of);
-        let errors = steps.each_ref().map(|step| step.error.unwrap());
-        assert!(errors.is_sorted(), "{errors:?}");
-        assert!(errors[0] < 1e-6 && errors[3] > 0.1, "{errors:?}");
-        // Solved to the end, a sheet stretches as little as its springs allow; cut short, it stretches more.
-        let stretches = steps.each_ref().map(|step| step.stretch.unwrap());
-        assert!(stretches[3] > 20.0 * stretches[0], "{stretches:?}");
-        for step in &steps {
-            assert_eq!(step.stable, Some(1e9), "{step:?}");
-            assert_eq!(step.reasons, [""; 0]);
-            // None of them locks: edges lie along the fold.
-            assert!(step.fold.unwrap() > 1.0, "{step:?}");
-        }
-    }
-
-    #[test]
-    fn failures_that_theory_foretells_are_no_alarm() {
-        assert_eq!(
-            measure::hopeless(Scope::Quick).unwrap(),
-            "never, as expected"
-        );
-        let limit = super::super::stability::stable_up_to("symplectic-euler", 20).unwrap();
-        assert_eq!(limit, Some(1.0));
-        let table = shown(Scope::Quick, &[], "never");
-        assert!(table.rows[0].contains(&Cell::Marked("never".into(), Mark::Expected)));
-        assert!(!table.to_html().contains("unfit"));
-    }
-
-    /// A sheet that still moves has no angle: without damping it never comes to rest.
-    #[test]
-    fn a_fold_that_does_not_rest_is_not_judged() {
-        let found = super::super::locking::fold_angle("implicit-midpoint", 8);
-        let told = found.unwrap_err().to_string();
-        assert!(told.contains("not at rest"), "{told}");
-    }
 }

@@ -56,7 +56,7 @@ fn methods() -> Vec<Solver> {
 
 /// What a run of ten seconds kept.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Kept {
+pub struct Kept {
     /// Energy (J) at the start and after every hundredth of the time.
     energy: Vec<Number>,
     /// Changes over the values at the start, at the same times: of the linear momentum, by anything but gravity, and
@@ -74,13 +74,15 @@ impl Kept {
     }
 
     /// Largest changes of linear and of angular momentum.
-    fn drift(&self) -> [Real; 2] {
+    #[must_use]
+    pub fn drift(&self) -> [Real; 2] {
         let largest = |all: &Vec<Number>| all.iter().map(|one| one.0).fold(0.0, Real::max);
         self.momenta.each_ref().map(largest)
     }
 
     /// Fraction of the energy that is left after ten seconds.
-    fn left(&self, floor: Real) -> Real {
+    #[must_use]
+    pub fn left(&self, floor: Real) -> Real {
         self.share(SAMPLES as usize, floor)
     }
 
@@ -101,7 +103,10 @@ fn over_seconds(label: &str, values: impl Iterator<Item = Real>) -> Series {
 }
 
 /// Follows a method for ten seconds. Energy that the centre of mass carries is left out where the scene has no gravity.
-fn follow(
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn follow(
     scene: &Scene,
     name: &str,
     tolerance: Option<Real>,
@@ -154,7 +159,10 @@ fn follow(
 }
 
 /// A mass of 1 kg on a spring that is pulled by a tenth of its length.
-fn oscillator() -> Result<Scene, BenchError> {
+///
+/// # Errors
+/// [`BenchError`] of a scene that cannot be built.
+pub fn oscillator() -> Result<Scene, BenchError> {
     let settings = Settings::default()
         .with("n", 1)
         .with("link", 1)
@@ -167,12 +175,17 @@ fn oscillator() -> Result<Scene, BenchError> {
 }
 
 /// What the oscillator keeps of its energy, where a closed form says so.
-fn exact(method: &Method, substeps: u32, steps_per_second: u32) -> Option<Real> {
+#[must_use]
+pub fn exact(method: &Method, substeps: u32, steps_per_second: u32) -> Option<Real> {
     let count = SECONDS * Real::from(steps_per_second) * Real::from(substeps);
     method.kept_by_an_oscillator(OMEGA * SECONDS / count, count)
 }
 
-fn free(n: u32) -> Result<Scene, BenchError> {
+/// A sheet that flies freely, turns, and shakes.
+///
+/// # Errors
+/// [`BenchError`] of a scene that cannot be built.
+pub fn free(n: u32) -> Result<Scene, BenchError> {
     let settings = Settings::of(&format!("n={n} stiffness=1e3 gravity=0"));
     let mut scene = scene::build("drop", None, &settings)?;
     let (flight, turn) = (Vec3::new(1.0, 0.5, 0.2), Vec3::new(1.0, -0.5, 2.0));
@@ -452,56 +465,4 @@ fn held_sheets(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         .filter(|(setting, _)| setting.vertices_a_side == settings[0].vertices_a_side);
     let left = told(of_first.map(|(_, row)| (&row.method, row.energy_left)));
     Ok(format!("Of what a held sheet can lose is left: {left}."))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_oscillator_keeps_what_the_closed_form_says() {
-        let scene = oscillator().unwrap();
-        for name in ["implicit-euler", "xpbd", "pd", "implicit-midpoint"] {
-            let kept = follow(&scene, name, None, 60).unwrap();
-            let method = Method::find(name).unwrap();
-            let substeps = method.substeps(&scene, &Settings::default(), 1.0 / 60.0);
-            let expected = exact(method, substeps.unwrap(), 60).unwrap();
-            let error = (kept.left(0.0) / expected - 1.0).abs();
-            assert!(error < 1e-6, "{name}: {error:e}");
-        }
-    }
-
-    /// Central forces keep linear momentum in every method, and angular momentum in a symplectic one; implicit Euler
-    /// loses some of it.
-    #[test]
-    fn momenta_are_kept_by_those_that_should() {
-        let scene = free(5).unwrap();
-        let kept = |name: &str| follow(&scene, name, None, 60).unwrap();
-        for name in ["symplectic-euler", "implicit-euler", "xpbd", "pd"] {
-            // To the tolerance, so to rounding where that is asked for.
-            let tolerance = (name == "implicit-euler").then_some(1e-12);
-            let [drift, _] = follow(&scene, name, tolerance, 60).unwrap().drift();
-            // XPBD divides positions of some metres by twelve thousand substeps of 0.8 ms, and rounds each time.
-            let rounding = if name == "xpbd" { 1e-10 } else { 1e-11 };
-            assert!(drift < rounding, "{name}: {drift:e}");
-        }
-        let turned = |name: &str| kept(name).drift()[1];
-        assert!(turned("symplectic-euler") < 1e-11);
-        let exactly = follow(&scene, "implicit-midpoint", Some(1e-12), 60).unwrap();
-        assert!(exactly.drift()[1] < 1e-9);
-        assert!(turned("implicit-euler") > 1e-3);
-    }
-
-    /// A known impulse: gravity gives a free sheet M g t, which is all that its momentum changes by, in every method.
-    #[test]
-    fn gravity_changes_momentum_by_its_impulse_and_nothing_else_does() {
-        let mut scene = free(5).unwrap();
-        scene.gravity = -9.81 * Vec3::z();
-        for method in method::all().filter(|method| !method.is_never_stable()) {
-            let [drift, _] = follow(&scene, method.name, None, 60).unwrap().drift();
-            // It falls for 490 m, of which XPBD divides the rounding by substeps of 0.8 ms.
-            let rounding = if method.name == "xpbd" { 2e-9 } else { 1e-10 };
-            assert!(drift < rounding, "{}: {drift:e}", method.name);
-        }
-    }
 }

@@ -5,18 +5,18 @@ use crate::studies::prelude::*;
 use std::time::Instant;
 
 /// Rounds that are enough once they have lasted long enough.
-const ENOUGH: usize = 15;
+pub const ENOUGH: usize = 15;
 const MOST: usize = 200;
 /// Time (s) after which one round is enough.
 const LONG: Real = 10.0;
 
 /// What [`interleaved`] measures.
 #[derive(Debug, PartialEq)]
-pub(super) struct Interleaved<const N: usize> {
+pub struct Interleaved<const N: usize> {
     /// Median time (s) of each variant.
-    pub(super) seconds: [Real; N],
+    pub seconds: [Real; N],
     /// Medians of the times over that of the first variant in the same round (dimensionless).
-    pub(super) ratios: [Real; N],
+    pub ratios: [Real; N],
 }
 
 /// Compares `N` variants, of which `time` runs the one with that index and gives its time (s): in rounds of one run of
@@ -27,7 +27,7 @@ pub(super) struct Interleaved<const N: usize> {
 ///
 /// # Errors
 /// The first of `time`.
-pub(super) fn interleaved<const N: usize>(
+pub fn interleaved<const N: usize>(
     least: Real,
     mut time: impl FnMut(usize) -> Result<Real, BenchError>,
 ) -> Result<Interleaved<N>, BenchError> {
@@ -58,39 +58,4 @@ pub(super) fn interleaved<const N: usize>(
         seconds: each(|round, variant| round[variant]),
         ratios: each(|round, variant| round[variant] / round[0]),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A machine that is slower from round to round, and once hiccups in one variant only.
-    #[test]
-    fn ratios_are_those_of_the_variants_on_a_machine_that_changes_its_speed() {
-        let mut runs: usize = 0;
-        let measured = interleaved::<3>(0.0, |variant| {
-            let round = (runs / 3) as Real;
-            assert_eq!(variant, runs % 3);
-            runs += 1;
-            let slower = [round, 1e6][usize::from(runs == 41)];
-            Ok([1.0, 2.0, 0.5][variant] * slower)
-        });
-        // Round 0 warms up, 1 to 15 count: the median is that of round 8.
-        let expected = Interleaved {
-            seconds: [8.0, 16.0, 4.0],
-            ratios: [1.0, 2.0, 0.5],
-        };
-        assert_eq!(measured, Ok(expected));
-        assert_eq!(runs, 3 * (ENOUGH + 1));
-    }
-
-    #[test]
-    fn an_error_ends_it() {
-        let broken = BenchError::Failed("broken".into());
-        let measured = interleaved::<2>(0.0, |variant| match variant {
-            0 => Ok(1.0),
-            _ => Err(broken.clone()),
-        });
-        assert_eq!(measured, Err(broken));
-    }
 }

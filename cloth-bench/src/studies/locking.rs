@@ -1,17 +1,16 @@
 //! Bending lock: counted, measured, and cured.
 
 mod cone;
-mod count;
-mod finer;
-mod fold;
-mod methods;
-mod picture;
+pub(super) mod count;
+pub mod finer;
+pub mod fold;
+pub mod methods;
+pub mod picture;
 mod remedies;
-mod sheet;
-mod sphere;
-mod sweeps;
+pub mod sheet;
+pub mod sphere;
+pub mod sweeps;
 
-pub use count::Locking;
 pub(super) use methods::fold_angle;
 
 use crate::studies::prelude::*;

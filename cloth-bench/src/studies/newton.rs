@@ -1,11 +1,11 @@
 //! Where the time of a Newton iteration goes, which ordering and linear solver win at which size, and what a whole step
 //! costs with each.
 
-mod convexity;
-mod overshoot;
+pub mod convexity;
+pub mod overshoot;
 mod parts;
 mod solvers;
-mod steps;
+pub mod steps;
 
 use super::sheets::{STIFFNESS, hanging};
 use crate::run::median;

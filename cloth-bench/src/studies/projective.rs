@@ -1,9 +1,7 @@
 //! Projective dynamics by acceleration, resolution and stiffness.
 
-mod factor;
-mod swing;
-
-pub use factor::{constant_matrix, local_bytes, move_bytes};
+pub(super) mod factor;
+pub mod swing;
 
 use super::sheets;
 use crate::studies::prelude::*;

@@ -1,6 +1,6 @@
 //! What the features cost that a scene does not use: time, memory, dependencies, build.
 
-mod memory;
+pub mod memory;
 
 use super::interleaved::interleaved;
 use crate::studies::prelude::*;
@@ -43,10 +43,12 @@ fn side(scope: Scope) -> u32 {
 }
 
 /// A feature and a method.
-#[derive(Default, Serialize)]
-struct Feature {
-    feature: &'static str,
-    method: &'static str,
+#[derive(Debug, Default, Serialize)]
+pub struct Feature {
+    /// What it is called.
+    pub feature: &'static str,
+    /// Name of the method.
+    pub method: &'static str,
 }
 
 /// Median time of a step without a feature, and ratios to it.

@@ -6,7 +6,7 @@ use cloth_core::random::SplitMix64;
 use cloth_core::step::StepError;
 use map::{MAPS, Map};
 
-mod map;
+pub mod map;
 
 pub(super) const STUDY: Study = Study {
     name: "stability",
@@ -78,20 +78,24 @@ fn rows(scope: Scope) -> Vec<Row> {
 
 /// What came of one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum Fate {
+pub enum Fate {
+    /// Nothing of what follows.
     Ok,
     /// Elastic energy that a solver cut short leaves in the springs, after this step; the sheet does not move faster
     /// than it may.
     Strained(u32),
     /// After this step.
     Grew(u32),
+    /// No longer finite, or the method said so, after this step.
     Diverged(u32),
+    /// Not built, or the first step failed: the reason.
     Refused(String),
 }
 
 impl Fate {
     /// From passing to failing at once.
-    fn severity(&self) -> u8 {
+    #[must_use]
+    pub fn severity(&self) -> u8 {
         match self {
             Self::Ok => 0,
             Self::Strained(_) => 1,
@@ -113,7 +117,10 @@ impl Fate {
 }
 
 /// Follows a method for some steps.
-fn follow(scene: &Scene, variant: &Variant, dt: Real, steps: u32) -> Result<Fate, BenchError> {
+///
+/// # Errors
+/// [`BenchError`] for a method that is not known.
+pub fn follow(scene: &Scene, variant: &Variant, dt: Real, steps: u32) -> Result<Fate, BenchError> {
     let method = Method::find(variant.method())?;
     let once = Settings::of(if method.is_explicit() {
         "substeps=1"
@@ -164,7 +171,7 @@ fn follow(scene: &Scene, variant: &Variant, dt: Real, steps: u32) -> Result<Fate
 ///
 /// # Errors
 /// [`BenchError::Failed`] for a scene that cannot be built.
-pub(super) fn stable_up_to(method: &str, steps: u32) -> Result<Option<Real>, BenchError> {
+pub fn stable_up_to(method: &str, steps: u32) -> Result<Option<Real>, BenchError> {
     let mut stable = None;
     for decade in 0..=9 {
         let stiffness = Real::powi(10.0, decade);
@@ -254,13 +261,15 @@ fn short(value: Real) -> String {
 
 /// The step at which symplectic Euler explodes on a chain of 20 masses.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Limit {
+pub struct Limit {
     #[serde(rename = "stiffness (N/m)")]
     stiffness: Number,
+    /// As a run finds it (s).
     #[serde(rename = "largest step (s)")]
-    found: Number,
+    pub found: Number,
+    /// By the closed form (s).
     #[serde(rename = "closed form (s)")]
-    expected: Number,
+    pub expected: Number,
 }
 
 fn limits(study: &mut StudyRun<'_>) -> String {
@@ -301,7 +310,10 @@ fn limits(study: &mut StudyRun<'_>) -> String {
 }
 
 /// Longitudinal motion of a chain is linear, so the limit is that of its stiffest mode.
-fn limit(stiffness: Real) -> Result<Limit, BenchError> {
+///
+/// # Errors
+/// [`BenchError::Failed`] for a scene that cannot be built.
+pub fn limit(stiffness: Real) -> Result<Limit, BenchError> {
     const LINKS: u32 = 20;
     const MASS: Real = 0.01;
     const STEPS: u32 = 3000;
@@ -341,66 +353,4 @@ fn limit(stiffness: Real) -> Result<Limit, BenchError> {
         found: Number((low * high).sqrt()),
         expected: Number(expected),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_run_of_ten_that_fails_fails_the_cell() {
-        let fates = |seed: u64| match seed {
-            3 => Fate::Strained(7),
-            8 => Fate::Diverged(2),
-            9 => panic!("nothing is run after a failure"),
-            _ => Fate::Ok,
-        };
-        let of = |runs| map::worst(runs, |seed| Ok(fates(seed))).unwrap();
-        assert_eq!(of(2), Fate::Ok);
-        assert_eq!(of(7), Fate::Strained(7));
-        assert_eq!(of(10), Fate::Diverged(2));
-    }
-
-    /// Nothing is lost at 10 km, of the digits there are, and everything at 10⁹ km.
-    #[test]
-    fn far_from_the_origin_every_method_fares_as_at_it() {
-        let map = MAPS.iter().find(|map| map.name == "offset").unwrap();
-        for variant in (map.methods)() {
-            let row = map.row(Scope::Quick, 1e4, &variant).unwrap();
-            assert_eq!(row[0].severity(), row[1].severity(), "{}", variant.label);
-        }
-        let far = map::far_away(1e12, 1e2).unwrap();
-        let xpbd = Variant::default_of(Method::find("xpbd").unwrap());
-        let fate = follow(&far, &xpbd, 1.0 / 60.0, 60).unwrap();
-        assert!(fate.severity() >= Fate::Grew(0).severity(), "{fate:?}");
-    }
-
-    #[test]
-    fn one_iteration_a_step_does_not_always_serve() {
-        let map = MAPS.iter().find(|map| map.name == "one-iteration").unwrap();
-        let row = |variant: &Variant, stiffness| {
-            let fates = map.row(Scope::Quick, stiffness, variant).unwrap();
-            fates.iter().map(Fate::severity).collect::<Vec<_>>()
-        };
-        let cut_short = (map.methods)();
-        for (label, stiffness, expected) in [
-            ("implicit-euler", 1e6, [0, 1, 2]),
-            ("xpbd-direct", 1e6, [0, 1, 2]),
-            ("pbd", 1e6, [1, 1, 1]),
-            ("pd", 1e2, [2, 2, 0]),
-            ("pd, no coarse grid", 1e2, [0, 0, 0]),
-        ] {
-            let cut_short = cut_short.iter().find(|one| one.label == label).unwrap();
-            assert_eq!(row(cut_short, stiffness), expected, "{label}");
-        }
-        let published = Variant::default_of(Method::find("implicit-euler").unwrap());
-        assert_eq!(row(&published, 1e6), [0; 3]);
-    }
-
-    #[test]
-    fn symplectic_euler_explodes_beyond_its_limit() {
-        let limit = limit(1e4).unwrap();
-        let error = limit.found.0 / limit.expected.0 - 1.0;
-        assert!(error.abs() < 1e-3, "{error:e}");
-    }
 }

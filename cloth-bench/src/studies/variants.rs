@@ -5,15 +5,17 @@ use crate::settings::Settings;
 
 /// A method with some of its settings, and what it is called.
 #[derive(Clone, Debug)]
-pub(super) struct Variant {
+pub struct Variant {
     /// The name of the method, and what is special after a comma.
-    pub(super) label: String,
-    pub(super) settings: Settings,
+    pub label: String,
+    /// Those that are not as published.
+    pub settings: Settings,
 }
 
 impl Variant {
     /// A method at its published settings.
-    pub(super) fn default_of(method: &Method) -> Self {
+    #[must_use]
+    pub fn default_of(method: &Method) -> Self {
         Self {
             label: method.name.to_owned(),
             settings: Settings::default(),
@@ -21,7 +23,8 @@ impl Variant {
     }
 
     /// One per line, `method, what is special: key=value key=value`.
-    pub(super) fn list(lines: &str) -> Vec<Self> {
+    #[must_use]
+    pub fn list(lines: &str) -> Vec<Self> {
         let variant = |line: &str| {
             let (label, settings) = line.split_once(':').unwrap_or((line, ""));
             Self {
@@ -34,7 +37,8 @@ impl Variant {
     }
 
     /// The name of the method.
-    pub(super) fn method(&self) -> &str {
+    #[must_use]
+    pub fn method(&self) -> &str {
         self.label.split(',').next().unwrap_or_default()
     }
 

@@ -1,5 +1,10 @@
 //! Every law holds, over its parameters.
 
+mod buckling;
+mod contact;
+mod elastica;
+mod point_mass;
+
 use crate::law::{detail, holds};
 use cloth_bench::laws::LAWS;
 use cloth_bench::method::METHODS;

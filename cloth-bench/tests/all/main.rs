@@ -3,32 +3,45 @@
 
 mod bending_laws;
 mod broad_phase;
+mod ccd;
 mod changes;
 mod cli;
+mod commands;
+mod crumpled;
 mod energy;
+mod error;
 mod exclude;
 mod export;
 mod forces;
 mod hard_constraints;
+mod hash;
+mod journal;
 #[path = "../support/law.rs"]
 mod law;
 mod laws;
 mod links;
 mod locking;
+mod memory;
+mod mesh_spec;
 mod messages;
+mod names;
 #[path = "../support/program.rs"]
 mod program;
 mod readme;
 mod refusals;
+mod report;
 mod restitution;
 mod resume;
 mod rigid_bodies;
 mod sampled;
+mod scene;
 mod scene_file;
 #[path = "../support/scene_text.rs"]
 mod scene_text;
 mod seam;
+mod settings;
 mod stops;
+mod studies;
 mod tangled;
 mod untangle;
 mod user_forces;

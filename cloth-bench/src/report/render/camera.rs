@@ -6,7 +6,7 @@ use super::{Projection, RenderError, SAMPLES, Surface, View};
 
 /// Right, up and backward axes (the camera looks along −backward), and what maps them to samples.
 #[derive(Debug)]
-pub(super) struct Camera {
+pub struct Camera {
     pub(super) right: Vec3,
     pub(super) up: Vec3,
     pub(super) back: Vec3,
@@ -21,7 +21,11 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    pub(super) fn framing(tiles: &[&[Surface<'_>]], view: &View) -> Result<Self, RenderError> {
+    /// The camera that has all of the tiles in its picture.
+    ///
+    /// # Errors
+    /// [`RenderError::View`] for a view that shows nothing.
+    pub fn framing(tiles: &[&[Surface<'_>]], view: &View) -> Result<Self, RenderError> {
         let unit = |v: Vec3| v.try_normalize(1e-12);
         let degenerate = RenderError::View("direction and up must be independent vectors");
         let (back, right) = unit(-view.direction)
@@ -93,7 +97,8 @@ impl Camera {
 
     /// Where a point (m) stands: samples from left and top, and nearness, which grows towards the
     /// camera and is linear in the picture. `None` behind the eye.
-    pub(super) fn project(&self, point: &Vec3) -> Option<[f64; 3]> {
+    #[must_use]
+    pub fn project(&self, point: &Vec3) -> Option<[f64; 3]> {
         let x = point - self.centre;
         let towards = self.back.dot(&x);
         let (shrink, nearness) = match self.distance {

@@ -48,7 +48,11 @@ fn size(scope: Scope) -> (u32, &'static [Real], u64) {
     scope.pick((7, &STEPS[1..3], 1), (17, &STEPS, 3))
 }
 
-fn scene_of(name: &str, n: u32, starts: &str) -> Result<Scene, BenchError> {
+/// A scene of contact by its name, with so many vertices a side and with settings of its start.
+///
+/// # Errors
+/// [`BenchError::Usage`] for settings that make no sense.
+pub fn scene_of(name: &str, n: u32, starts: &str) -> Result<Scene, BenchError> {
     let settings = Settings::of(starts);
     match name {
         "garment" => collision::garment(&format!("tube:{}x{n}", n / 2 * 2)),
@@ -93,7 +97,8 @@ fn methods(scope: Scope) -> impl Iterator<Item = &'static str> + Clone {
 
 /// What came of the worst run of a cell, from passing to failing.
 #[derive(Clone, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
-enum Fate {
+pub enum Fate {
+    /// Nothing of what follows.
     #[default]
     Ok,
     /// The cloth holds more energy than it was given, first after this step, but does not move with it: elastic energy
@@ -120,7 +125,10 @@ impl Fate {
 }
 
 /// A run of a method, and what the cloth held of what it was given (dimensionless) after every step.
-fn follow(
+///
+/// # Errors
+/// [`BenchError`] for a scene that cannot be watched, or a method that cannot be built.
+pub fn follow(
     scene: &Scene,
     name: &str,
     dt: Real,
@@ -175,9 +183,11 @@ fn follow(
 
 /// A scene, and the method that takes its steps.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-struct Pairing {
-    scene: &'static str,
-    method: &'static str,
+pub struct Pairing {
+    /// Name of the scene.
+    pub scene: &'static str,
+    /// Name of the method.
+    pub method: &'static str,
 }
 
 fn pairings(scope: Scope) -> impl Iterator<Item = Pairing> {
@@ -304,17 +314,23 @@ const LEFT_OUT: &str = "implicit-midpoint";
 
 /// How a start that passes through itself went.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Recovered {
-    pairs_at_start: usize,
+pub struct Recovered {
+    /// Pairs of triangles that cross at the start.
+    pub pairs_at_start: usize,
     /// Steps until no pair crosses; none if some still do.
-    steps_until_free: Option<usize>,
-    pairs_at_end: usize,
+    pub steps_until_free: Option<usize>,
+    /// Those that still do at the end.
+    pub pairs_at_end: usize,
     /// After the step from which on nothing crosses.
-    crossings_afterwards: u32,
+    pub crossings_afterwards: u32,
     largest_stretch: Number,
 }
 
-fn recover(pairing: Pairing, n: u32, steps: u32) -> Result<Recovered, BenchError> {
+/// A run from a start that passes through itself.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn recover(pairing: Pairing, n: u32, steps: u32) -> Result<Recovered, BenchError> {
     let scene = tangled(pairing.scene, n)?;
     let method = Method::find(pairing.method)?;
     let settings = method.by_default(Settings::default());
@@ -380,42 +396,4 @@ fn recovery(study: &mut StudyRun<'_>) {
         "Pulled apart, and nothing crosses afterwards: {}.",
         told.join(", ")
     ));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn implicit_euler_comes_through_contact_and_the_midpoint_rule_does_not() {
-        let scene = scene_of("drape-sphere", 7, "").unwrap();
-        for dt in [1.0 / 60.0, 1.0 / 15.0] {
-            let (fate, shares) = follow(&scene, "implicit-euler", dt, 1).unwrap();
-            assert_eq!(fate, Fate::Ok);
-            assert!(
-                shares.iter().all(|share| share.0 < 1.0 + 1e-6),
-                "{shares:?}"
-            );
-        }
-        let (fate, _) = follow(&scene, "implicit-midpoint", 1.0 / 30.0, 1).unwrap();
-        assert!(matches!(fate, Fate::Grew(_)), "{fate:?}");
-    }
-
-    #[test]
-    fn sheets_that_pass_through_each_other_are_pulled_apart_for_good() {
-        for method in ["implicit-euler", "xpbd"] {
-            for scene in ["fold", "stack"] {
-                let found = recover(Pairing { scene, method }, 9, 40).unwrap();
-                assert!(found.pairs_at_start >= 10, "{found:?}");
-                assert!(
-                    found.steps_until_free.is_some_and(|steps| steps < 15),
-                    "{found:?}"
-                );
-                assert_eq!(
-                    [found.pairs_at_end, found.crossings_afterwards as usize],
-                    [0; 2]
-                );
-            }
-        }
-    }
 }

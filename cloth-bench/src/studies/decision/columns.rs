@@ -14,7 +14,8 @@ pub(super) struct Column {
 }
 
 /// When a value is best or unfit.
-pub(super) enum Rule {
+#[derive(Debug)]
+pub enum Rule {
     /// Less is better; ten times the least is too much.
     Cost,
     /// More is better; a tenth of the most is too little.
@@ -166,7 +167,8 @@ impl Row {
     }
 
     /// Vertices at 60 steps a second, by the power law through both sizes.
-    pub(super) fn real_time(&self) -> Option<Real> {
+    #[must_use]
+    pub fn real_time(&self) -> Option<Real> {
         let cost = self.cost.as_ref()?;
         let [small, large] = cost.sides.map(|side| Real::from(side).powi(2));
         let [fast, slow] = [cost.ms[0]?, cost.ms[1]?];
@@ -177,7 +179,8 @@ impl Row {
 
 impl Rule {
     /// What to think of one of several values, given that of the reference.
-    pub(super) fn judge(&self, value: Real, all: &[Real], reference: Option<Real>) -> Mark {
+    #[must_use]
+    pub fn judge(&self, value: Real, all: &[Real], reference: Option<Real>) -> Mark {
         let least = all.iter().copied().fold(Real::INFINITY, Real::min);
         let most = all.iter().copied().fold(0.0, Real::max);
         let is_low = value <= 1.05 * least;
@@ -198,51 +201,5 @@ impl Rule {
             (_, true) => Mark::Best,
             _ => Mark::Plain,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::measure::Cost;
-    use super::*;
-
-    #[test]
-    fn real_time_follows_the_power_law() {
-        let cost = Cost {
-            sides: [10, 20],
-            // Proportional to the power 1.5 of the vertices.
-            ms: [Some(1.0), Some(8.0)],
-            memory: None,
-        };
-        let row = Row {
-            method: "pd",
-            cost: Some(cost),
-            step: None,
-            contact: None,
-        };
-        let expected = 100.0 * (1000.0 / 60.0_f64).powf(2.0 / 3.0);
-        assert!((row.real_time().unwrap() / expected - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn marks_tell_the_best_from_the_unfit() {
-        let marks = |rule: Rule, values: [Real; 4]| {
-            values.map(|value| rule.judge(value, &values, Some(1.0)))
-        };
-        let (best, plain, unfit) = (Mark::Best, Mark::Plain, Mark::Unfit);
-        let ten_times = marks(Rule::Cost, [1.0, 1.04, 9.0, 11.0]);
-        assert_eq!(ten_times, [best, best, plain, unfit]);
-        let a_tenth = marks(Rule::Gain, [100.0, 96.0, 11.0, 9.0]);
-        assert_eq!(a_tenth, [best, best, plain, unfit]);
-        let below = marks(Rule::Below(0.1), [0.0, 1e-9, 0.1, 0.2]);
-        assert_eq!(below, [best, plain, plain, unfit]);
-        let above = marks(Rule::Above(1e4), [1e9, 1e8, 1e4, 1e3]);
-        assert_eq!(above, [best, plain, plain, unfit]);
-        let near = marks(Rule::Reference, [1.0, 0.96, 0.5, 2.1]);
-        assert_eq!(near, [best, best, plain, unfit]);
-        assert_eq!(
-            marks(Rule::One, [1.0, 0.8, 0.6, 0.4]),
-            [best, best, plain, unfit]
-        );
     }
 }

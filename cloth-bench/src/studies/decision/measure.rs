@@ -25,13 +25,13 @@ const LONG: Real = 300.0;
 
 /// What a step takes.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Cost {
+pub struct Cost {
     /// Vertices a side.
-    pub(super) sides: [u32; 2],
+    pub sides: [u32; 2],
     /// Time of a step (ms) at either size.
-    pub(super) ms: [Option<Real>; 2],
+    pub ms: [Option<Real>; 2],
     /// Peak of the process (B) at the larger size.
-    pub(super) memory: Option<Real>,
+    pub memory: Option<Real>,
 }
 
 impl Cost {
@@ -62,21 +62,25 @@ impl Cost {
 
 /// What a method makes of a step, a stiff sheet and a fold: the same on every machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Step {
+pub struct Step {
     /// `(G − G*)/(G(x̃) − G*)` (dimensionless); none of methods that solve another step.
-    pub(super) error: Option<Real>,
+    pub error: Option<Real>,
     /// Largest strain of an edge of the hanging sheet (dimensionless).
-    pub(super) stretch: Option<Real>,
+    pub stretch: Option<Real>,
     /// The largest stiffness (N/m), by decades.
-    pub(super) stable: Option<Real>,
+    pub stable: Option<Real>,
     /// Angle over the exact one (dimensionless).
-    pub(super) fold: Option<Real>,
+    pub fold: Option<Real>,
     /// Why a number is missing.
-    pub(super) reasons: Vec<String>,
+    pub reasons: Vec<String>,
 }
 
 impl Step {
-    pub(super) fn measure(scope: Scope, method: &Method) -> Result<Self, BenchError> {
+    /// Measures a method.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] if the reference does not converge; a method that fails says so in the reasons.
+    pub fn measure(scope: Scope, method: &Method) -> Result<Self, BenchError> {
         let mut step = Self {
             stable: stability::stable_up_to(method.name, stable_steps(scope))?,
             ..Self::default()
@@ -122,14 +126,17 @@ fn error_of_a_step(n: u32, method: &Method) -> Result<Real, BenchError> {
 }
 
 /// What becomes of the method of which no step is stable: that, in two words; the error it ends with is foretold.
-pub(super) fn hopeless(scope: Scope) -> Result<String, BenchError> {
+///
+/// # Errors
+/// [`BenchError::Failed`] for a scene that cannot be built.
+pub fn hopeless(scope: Scope) -> Result<String, BenchError> {
     let stable = stability::stable_up_to(scale::WITHOUT, stable_steps(scope))?;
     Ok(stable.map_or("never, as expected".into(), super::columns::power))
 }
 
 /// A sheet in contact after half a second, by steps of 1/60 s and of 1/30 s, and the same sheet hanging.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Contact {
+pub struct Contact {
     pub(super) hanging_ms: Option<Real>,
     pub(super) sixtieth: Drape,
     pub(super) thirtieth: Drape,

@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 const CELLS: usize = 16;
 /// Y (N/m) and D (N·m): a thin cloth that would hang down almost straight.
-const STIFFNESS: [Real; 2] = [1e6, 2e-4];
+pub const STIFFNESS: [Real; 2] = [1e6, 2e-4];
 
 /// A picture: its name, its title, and its columns.
 type Picture = (&'static str, &'static str, [(&'static str, Axis, Kind); 3]);
@@ -84,7 +84,8 @@ struct Shape {
 /// What a fold is called and what is told of it, and its colour; `exact` is the angle (°) of the exact one. A sheet
 /// whose corners hang at unlike angles, or that stores twice the bending energy of the fold, has not folded about the
 /// line, however far down its corners are in the mean.
-fn judged(angles: [Real; 2], exact: Real, bending: Real) -> (String, &'static str) {
+#[must_use]
+pub fn judged(angles: [Real; 2], exact: Real, bending: Real) -> (String, &'static str) {
     let [least, most] = [angles[0].min(angles[1]), angles[0].max(angles[1])];
     let mean = 0.5 * (least + most);
     if most - least > 0.25 * exact {
@@ -240,7 +241,10 @@ fn compose(
 
 /// The mesh at rest seen from above, with its lower left corner at the lower left of a square at `corner` (px), the
 /// lengths that its membrane holds, and the line of the fold.
-fn flat_mesh(sheet: &Sheet, axis: Axis, corner: [Real; 2]) -> Result<String, BenchError> {
+///
+/// # Errors
+/// [`BenchError::Failed`] for a mesh without a table of edges.
+pub fn flat_mesh(sheet: &Sheet, axis: Axis, corner: [Real; 2]) -> Result<String, BenchError> {
     let at = |p: &Vec3| [corner[0] + FLAT * p.x, corner[1] + FLAT * (1.0 - p.y)];
     let edges = EdgeTable::build(&sheet.mesh)?;
     let lines = |pairs: &[[u32; 2]], points: &[Vec3]| {
@@ -261,51 +265,4 @@ fn flat_mesh(sheet: &Sheet, axis: Axis, corner: [Real; 2]) -> Result<String, Ben
          <path d=\"{thick}\" fill=\"none\" stroke=\"#3d4852\" stroke-width=\"0.9\"/>\
          <path d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\" fill=\"none\" stroke=\"#b3261e\" stroke-width=\"3\" stroke-dasharray=\"9 4\"/>"
     ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_sheet_is_judged_by_both_corners_and_by_what_it_bends_besides() {
-        let words = |angles, bending| judged(angles, 90.0, bending).0;
-        assert_eq!(words([91.0, 89.0], 1.2), "folds: its corners hang 90° down");
-        assert_eq!(words([60.0, 66.0], 0.8), "bends: its corners hang 63° down");
-        assert_eq!(
-            words([20.0, 30.0], 0.3),
-            "locked: its corners hang 25° down"
-        );
-        // One flap lies on top of the sheet: 111° in the mean say nothing.
-        assert_eq!(
-            words([170.0, 52.0], 1.1),
-            "crumples: corners at 52° and 170°"
-        );
-        assert_eq!(
-            words([85.0, 89.0], 9.0),
-            "crumples: its corners hang 87° down"
-        );
-    }
-
-    /// The flat sheet shows what holds it: no diagonals in a sheet of quads, fewer lines where a part is free, small
-    /// triangles on midpoints.
-    #[test]
-    fn the_flat_sheet_shows_the_lengths_that_are_held() {
-        let held = |kind| {
-            let [modulus, rigidity] = STIFFNESS;
-            let mesh = super::super::sheet::square("one-way", 4).unwrap();
-            let sheet = Sheet::new(mesh, kind, modulus, rigidity).unwrap();
-            let svg = flat_mesh(&sheet, Axis::Across, [0.0, 0.0]).unwrap();
-            let paths: Vec<usize> = svg
-                .split("<path")
-                .map(|path| path.matches('M').count())
-                .collect();
-            paths[1..].to_vec()
-        };
-        // 40 sides of cells and 16 diagonals; one line for the fold.
-        assert_eq!(held(Kind::Springs), [56, 56, 1]);
-        assert_eq!(held(Kind::Quads), [56, 40, 1]);
-        assert_eq!(held(Kind::Stvk), [56, 56, 1]);
-        assert_eq!(held(Kind::Midpoints), [56, 96, 1]);
-    }
 }

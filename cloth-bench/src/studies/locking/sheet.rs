@@ -15,9 +15,12 @@ use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 
 /// What carries the membrane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub enum Kind {
+    /// Springs on the edges.
     Springs,
+    /// Triangles of StVK.
     Stvk,
+    /// Triangles that are as rigid as possible.
     Arap,
     /// Springs with this share of k under compression.
     Compression(Real),
@@ -25,6 +28,7 @@ pub(super) enum Kind {
     DeadZone(Real),
     /// Springs on so few edges that this share of the coordinates is free.
     DofFraction(Real),
+    /// Springs on the sides of cells, none on their diagonals.
     Quads,
     /// Springs a hundred times softer, and limits at this strain as stiff as the springs would be.
     Limited(Real),
@@ -50,7 +54,7 @@ pub(super) const KINDS: [(&str, Kind); 10] = [
 
 /// A cloth on a mesh or on its midpoints; `points` are its degrees of freedom.
 #[derive(Debug)]
-pub(super) struct Sheet {
+pub struct Sheet {
     pub(super) mesh: TriMesh,
     midpoints: Option<Midpoints>,
     pub(super) particles: Particles,
@@ -73,7 +77,10 @@ pub(super) struct Rest {
 
 impl Sheet {
     /// A sheet of density 0.2 kg/m², modulus `modulus` (N/m) and rigidity `rigidity` (N·m).
-    pub(super) fn new(
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for a kind that cannot be built on this mesh.
+    pub fn new(
         mesh: TriMesh,
         kind: Kind,
         modulus: Real,
@@ -171,7 +178,8 @@ impl Sheet {
     }
 
     /// The points (m) when the sheet is moved by `place`, which maps positions at rest (m).
-    pub(super) fn placed(&self, place: impl Fn(&Vec3) -> Vec3) -> Vec<Vec3> {
+    #[must_use]
+    pub fn placed(&self, place: impl Fn(&Vec3) -> Vec3) -> Vec<Vec3> {
         self.points.iter().map(place).collect()
     }
 
@@ -184,12 +192,18 @@ impl Sheet {
     }
 
     /// Energy (J) of the hinges.
-    pub(super) fn bending_energy(&self, points: &[Vec3]) -> Result<Real, BenchError> {
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for elements that do not fit the points.
+    pub fn bending_energy(&self, points: &[Vec3]) -> Result<Real, BenchError> {
         Ok(self.sum_of(&self.bending)?.value(points))
     }
 
     /// Energy (J) of the membrane.
-    pub(super) fn membrane_energy(&self, points: &[Vec3]) -> Result<Real, BenchError> {
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for elements that do not fit the points.
+    pub fn membrane_energy(&self, points: &[Vec3]) -> Result<Real, BenchError> {
         Ok(self.sum_of(&self.membrane)?.value(points))
     }
 
@@ -289,7 +303,10 @@ fn parted(families: Vec<Elements>) -> (Vec<Elements>, Vec<Elements>) {
 
 /// A mesh of the unit square with `cells` cells a side. The lattice of equilateral triangles is stretched by a few per
 /// cent in y to fill the square, and its zigzag sides are half a triangle deep.
-pub(super) fn square(pattern: &str, cells: usize) -> Result<TriMesh, BenchError> {
+///
+/// # Errors
+/// [`BenchError::Failed`] for a mesh without cells, or of a pattern that is not known.
+pub fn square(pattern: &str, cells: usize) -> Result<TriMesh, BenchError> {
     if pattern != "equilateral" {
         return mesh_of(pattern, cells);
     }

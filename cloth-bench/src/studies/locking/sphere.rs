@@ -20,7 +20,7 @@ use cloth_core::topology::EdgeTable;
 /// D (N·m): cloth of this weight bends under itself over 8 cm.
 const RIGIDITY: Real = 1e-3;
 /// Y (N/m): soft for the size of the folds, and stiff.
-const MODULI: [Real; 2] = [1e3, 1e5];
+pub const MODULI: [Real; 2] = [1e3, 1e5];
 /// Everything this near (m) to the middle of the sheet is held, or a sheet that does not give slides off.
 const HELD: Real = 0.06;
 /// Cells a side of one drape made finer and finer.
@@ -38,17 +38,21 @@ fn patterns(scope: Scope) -> &'static [&'static str] {
     scope.pick(&["alternating"], &count::PATTERNS)
 }
 
-/// One drape; a kind of membrane by its place in [`KINDS`].
+/// One drape; a kind of membrane by its place in `KINDS`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Case {
-    pattern: &'static str,
-    kind: usize,
-    modulus: Real,
-    method: &'static str,
+pub struct Case {
+    /// The pattern of the mesh.
+    pub pattern: &'static str,
+    /// Its place in `KINDS`.
+    pub kind: usize,
+    /// Y (N/m).
+    pub modulus: Real,
+    /// Name of the method.
+    pub method: &'static str,
     /// 0: as published.
-    iterations: u32,
+    pub iterations: u32,
     /// Cells a side.
-    cells: usize,
+    pub cells: usize,
 }
 
 impl Case {
@@ -86,7 +90,9 @@ struct Drape {
     steps: Option<u32>,
 }
 
-fn list(scope: Scope) -> Vec<Case> {
+/// Every drape.
+#[must_use]
+pub fn list(scope: Scope) -> Vec<Case> {
     let base = Case {
         pattern: PATTERN,
         kind: 0,
@@ -223,7 +229,8 @@ fn chain(first: &Case) -> Result<Vec<Drape>, BenchError> {
 }
 
 /// How far (m) the four corners of the unit square are below the highest vertex, in the mean.
-fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
+#[must_use]
+pub fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
     let highest = positions
         .iter()
         .map(|p| p.z)
@@ -326,8 +333,9 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
     }
 }
 
-/// How deep (m) the corners are at both moduli with the fewest and the most cells a side, by [`METHOD`].
-fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
+/// How deep (m) the corners are at both moduli with the fewest and the most cells a side, by `METHOD`.
+#[must_use]
+pub fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
     let ours = || made_finer.iter().filter(|(case, _)| case.method == METHOD);
     let cells = || ours().map(|(case, _)| case.cells);
     let at = |cells: usize| {
@@ -342,7 +350,8 @@ fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
 
 /// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their
 /// patterns.
-fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
+#[must_use]
+pub fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
     let at = |pattern: &str, modulus: Real| {
         let wanted = |(case, _): &&(Case, Real)| {
             case.pattern == pattern && case.modulus == modulus && case.method == METHOD
@@ -356,66 +365,4 @@ fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
     let least = ratios.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let most = ratios.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some([*least, *most])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stiff_sheets_are_judged_by_what_is_left_of_the_depth_of_their_corners() {
-        let rest = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.5]];
-        let rest = rest.map(|[x, y]| Vec3::new(x, y, 0.0));
-        let mut lying = rest;
-        for (vertex, depth) in [0.1, 0.2, 0.3, 0.4, -0.5].into_iter().enumerate() {
-            lying[vertex].z = -depth;
-        }
-        assert!((fall_of_corners(&rest, &lying) - 0.75).abs() < 1e-15);
-        let mut fallen = Vec::new();
-        for (pattern, [soft, stiff]) in [("one-way", [0.5, 0.4]), ("crossed", [0.4, 0.1])] {
-            let case = Case {
-                pattern,
-                ..list(Scope::Quick)[0]
-            };
-            fallen.extend(
-                [(MODULI[0], soft), (MODULI[1], stiff)]
-                    .map(|(modulus, depth)| (Case { modulus, ..case }, depth)),
-            );
-        }
-        let [least, most] = kept(&fallen).unwrap();
-        assert_eq!((least.0, most.0), ("crossed", "one-way"));
-        assert!((least.1 - 0.25).abs() < 1e-15 && (most.1 - 0.8).abs() < 1e-15);
-        assert_eq!(kept(&fallen[..1]), None);
-        assert_eq!(sizes(&[]), None);
-        let of_size = |cells: usize, modulus: Real, depth: Real| {
-            let case = Case {
-                cells,
-                modulus,
-                ..list(Scope::Quick)[0]
-            };
-            (case, depth)
-        };
-        let mut made_finer = vec![
-            of_size(32, MODULI[0], 0.5),
-            of_size(32, MODULI[1], 0.3),
-            of_size(16, MODULI[0], 0.6),
-            of_size(16, MODULI[1], 0.2),
-        ];
-        // Another method's drapes are not mixed with them.
-        made_finer.insert(
-            0,
-            (
-                Case {
-                    method: "pd",
-                    cells: 8,
-                    ..made_finer[0].0
-                },
-                9.0,
-            ),
-        );
-        assert_eq!(
-            sizes(&made_finer),
-            Some([(16, [0.6, 0.2]), (32, [0.5, 0.3])])
-        );
-    }
 }

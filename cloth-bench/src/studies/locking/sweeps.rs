@@ -40,7 +40,8 @@ fn fold_sizes(scope: Scope) -> &'static [usize] {
 
 /// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was
 /// estimated to cost as much as its bending.
-pub(super) fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Real {
+#[must_use]
+pub fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Real {
     (702.0 * rigidity * radius * radius / modulus).powf(0.25)
 }
 
@@ -310,53 +311,11 @@ fn against_length(
 
 /// Where a curve `(l/l*, bending reached)` in ascending order first falls to half of its first value, if it does;
 /// between two points by logarithms.
-fn halved_at(curve: &[(Real, Real)]) -> Option<Real> {
+#[must_use]
+pub fn halved_at(curve: &[(Real, Real)]) -> Option<Real> {
     let half = 0.5 * curve.first()?.1;
     let pair = curve.windows(2).find(|pair| pair[1].1 <= half)?;
     let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
     let part = (y0 / half).ln() / (y0 / y1).ln();
     Some(x0 * (x1 / x0).powf(part))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_curve_is_halved_where_it_crosses_half() {
-        let power = |x: Real| (x, 3.0 * x.powi(-2));
-        let curve = [power(1.0), power(1.3), power(5.0)];
-        assert!((halved_at(&curve).unwrap() - 2.0_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(halved_at(&curve[..2]), None);
-        assert_eq!(halved_at(&[]), None);
-    }
-
-    /// The estimate, `Y l⁴/(702 D R²)`, is the membrane over the bending energy of equilateral springs with all
-    /// vertices on a cylinder of radius R: an edge at the angle φ to the axis is short by `l² sin⁴φ/(24 R²)`.
-    #[test]
-    fn the_estimate_is_the_energy_of_springs_on_a_cylinder() {
-        use super::super::sheet::Sheet;
-        use cloth_core::math::Vec3;
-        use cloth_core::mesh::generate::equilateral;
-        let (cells, radius, modulus) = (40, 20.0, 1e3);
-        let mesh = equilateral(cells + 1, cells + 1, 1.0).unwrap();
-        let sheet = Sheet::new(mesh, Kind::Springs, modulus, 1.0).unwrap();
-        // The mean of sin⁸φ over three directions is that over all, 35/128, but for a term in cos 6φ.
-        let energy = |turn: Real| {
-            let axis = Vec3::new(turn.cos(), turn.sin(), 0.0);
-            let across = Vec3::new(-axis.y, axis.x, 0.0);
-            let rolled = sheet.placed(|p| {
-                let s = across.dot(p) / radius;
-                axis * axis.dot(p) + across * (radius * s.sin()) + Vec3::z() * (radius * s.cos())
-            });
-            sheet.membrane_energy(&rolled).unwrap() / sheet.bending_energy(&rolled).unwrap()
-        };
-        let mean = (0..6)
-            .map(|k| energy(std::f64::consts::PI * Real::from(k) / 18.0))
-            .sum::<Real>()
-            / 6.0;
-        let estimate = critical_length(radius, modulus, 1.0).powi(-4);
-        let (rim, edges) = (mean / estimate, 3.0 / cells as Real);
-        assert!((rim - 1.0).abs() < edges, "{rim}");
-    }
 }

@@ -20,7 +20,8 @@ const MASS: Real = 0.01;
 /// Where Newton's method starts (m from the middle).
 const START: Real = 2e-3;
 
-const POLICIES: [(&str, Convexity); 4] = [
+/// What is made of the Hessian of a spring, and what that is called.
+pub const POLICIES: [(&str, Convexity); 4] = [
     ("none (exact)", Convexity::Exact),
     ("clamp", Convexity::Clamp),
     ("absolute", Convexity::Abs),
@@ -39,19 +40,22 @@ fn springs() -> [(Spring, Vec3); 2] {
 }
 
 /// `G` (J) at `y` (m) from the middle.
-fn value(y: Real) -> Real {
+#[must_use]
+pub fn value(y: Real) -> Real {
     let elastic = springs().map(|(spring, end)| spring.value(&[end, y * Vec3::y()]));
     0.5 * MASS * y * y / (DT * DT) + elastic.iter().sum::<Real>()
 }
 
 /// Where the minima are (m from the middle): the springs as long as inertia lets them be.
-fn minimum() -> Real {
+#[must_use]
+pub fn minimum() -> Real {
     let length = LENGTH / (1.0 + MASS / (2.0 * K * DT * DT));
     (length * length - HALF * HALF).sqrt()
 }
 
 /// Places (m from the middle) of Newton's method with full steps.
-fn newton(convexity: Convexity) -> Vec<Real> {
+#[must_use]
+pub fn newton(convexity: Convexity) -> Vec<Real> {
     let inertia = MASS / (DT * DT);
     let next = |x: &Vec3| {
         let (mut gradient, mut hessian) = (inertia * x, inertia * Mat3::identity());
@@ -127,12 +131,15 @@ struct Taken {
 }
 
 /// Iterations and their errors; none, and why, where the matrix was of no use.
-type Traced = (Vec<Sample>, String);
+pub type Traced = (Vec<Sample>, String);
 
 const SHEETS: [&str; 2] = ["hanging", "compressed"];
 
 /// Takes the sixteenth step of the hanging sheet, or the first of one that is pressed together by a tenth.
-fn take(sheet: &str, side: u32, hessian: HessianPolicy) -> Result<Traced, BenchError> {
+///
+/// # Errors
+/// [`BenchError::Failed`] for a scene that cannot be built.
+pub fn take(sheet: &str, side: u32, hessian: HessianPolicy) -> Result<Traced, BenchError> {
     let mut scene = scene::build("hang", None, &hanging(side, STIFFNESS))?;
     let mut steps = 15;
     if sheet == "compressed" {
@@ -215,49 +222,4 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
         .findings
         .table("newton-convexity", &caption, Table::of(&rows));
     told
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_exact_hessian_climbs_to_the_saddle_point_and_the_others_go_down() {
-        let rest = minimum();
-        // Stationary, and lower than its neighbours; the middle is stationary, and higher.
-        for (y, is_minimum) in [(0.0, false), (rest, true), (-rest, true)] {
-            let [below, at, above] = [-1e-5, 0.0, 1e-5].map(|d| value(y + d));
-            assert!((above - below).abs() < 1e-9, "{y}");
-            assert_eq!(above > at && below > at, is_minimum, "{y}");
-        }
-        let [exact, clamped, absolute, gauss_newton] =
-            POLICIES.map(|(_, convexity)| newton(convexity));
-        assert!(exact[1].abs() < 2e-5 && exact[4].abs() < 1e-40, "{exact:?}");
-        // Once too far, where inertia alone resists; in shorter steps never.
-        assert!(
-            clamped[2] > rest && (clamped[9] - rest).abs() < 1e-9,
-            "{clamped:?}"
-        );
-        assert!(absolute.iter().all(|&y| y < rest) && rest - absolute[20] < 1e-9);
-        assert_eq!(clamped, gauss_newton);
-    }
-
-    #[test]
-    fn the_fewest_iterations_take_the_exact_hessian_where_it_serves() {
-        let sharp = |sheet, hessian| {
-            let (trace, remark) = take(sheet, 16, hessian).unwrap();
-            let there = trace.iter().find(|sample| sample.error.gradient <= 1e-8);
-            (there.map(|sample| sample.iteration), remark)
-        };
-        let of = |sheet, convexity| sharp(sheet, HessianPolicy::Always(convexity));
-        let hanging = |convexity| of("hanging", convexity).0.unwrap();
-        let blended = sharp("hanging", HessianPolicy::ExactFirst).0.unwrap();
-        assert_eq!([blended, hanging(Convexity::Exact)], [7, 7]);
-        assert!((11..=13).contains(&hanging(Convexity::Clamp)));
-        assert!((18..=20).contains(&hanging(Convexity::Abs)));
-        assert!(hanging(Convexity::GaussNewton) > 100);
-        let (there, remark) = of("compressed", Convexity::Exact);
-        assert_eq!(there, None);
-        assert!(remark.contains("not positive definite"), "{remark}");
-    }
 }

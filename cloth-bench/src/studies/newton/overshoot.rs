@@ -9,7 +9,7 @@ const STIFF: Real = 100.0;
 const STRETCH: Real = 0.1;
 
 /// How the step is taken. Iterations are those of one constraint, which is all that there is.
-const METHODS: &str = "symplectic-euler
+pub const METHODS: &str = "symplectic-euler
     linear-implicit
     implicit-euler: tolerance=1e-12
     pd: iterations=100
@@ -41,12 +41,18 @@ fn step(variant: &Variant, z: Real, stretch: Real, across: Real) -> Result<Vec3,
 }
 
 /// Stretch along x over what it was, after a step of a stretched spring.
-fn along(variant: &Variant, z: Real) -> Result<Real, BenchError> {
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn along(variant: &Variant, z: Real) -> Result<Real, BenchError> {
     Ok((step(variant, z, STRETCH, 0.0)?.x - 1.0) / STRETCH)
 }
 
 /// Stretch after a step of a spring at rest whose end moves across by so much of its length.
-fn across(variant: &Variant, z: Real, turn: Real) -> Result<Real, BenchError> {
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn across(variant: &Variant, z: Real, turn: Real) -> Result<Real, BenchError> {
     Ok(step(variant, z, 0.0, turn)?.norm() - 1.0)
 }
 
@@ -98,37 +104,4 @@ pub(super) fn draw(findings: &mut Findings) -> Result<String, BenchError> {
         significant(linear?, 3),
         significant(solved?, 3)
     ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_step_overshoots_by_what_the_closed_forms_say() {
-        for z in [0.3, 1.5, 30.0] {
-            for turn in [0.1, 2.0] {
-                let tangent = Real::hypot(1.0, turn) - 1.0;
-                let implicit = 1.0 / (1.0 + z * z);
-                for variant in Variant::list(METHODS) {
-                    let [along, across] = match variant.label.as_str() {
-                        "symplectic-euler" => [1.0 - z * z, tangent],
-                        "linear-implicit" => [implicit, tangent],
-                        "xpbd, 20 substeps" => continue,
-                        _ => [implicit, tangent * implicit],
-                    };
-                    let errors = [
-                        super::along(&variant, z).unwrap() - along,
-                        super::across(&variant, z, turn).unwrap() - across,
-                    ];
-                    let largest = errors.into_iter().map(Real::abs).fold(0.0, Real::max);
-                    assert!(
-                        largest < 1e-12,
-                        "{}, {z}, {turn}: {errors:?}",
-                        variant.label
-                    );
-                }
-            }
-        }
-    }
 }

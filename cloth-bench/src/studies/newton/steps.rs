@@ -156,7 +156,8 @@ fn take(
 
 /// Iterations and seconds to an objective error of `goal`. A solver that ends in a lower minimum than the reference is
 /// measured against that: it would pass the other on its way.
-fn first_within(goal: Real, trace: &[Sample]) -> Option<(u32, Real)> {
+#[must_use]
+pub fn first_within(goal: Real, trace: &[Sample]) -> Option<(u32, Real)> {
     let end = trace.last()?.error.objective;
     let least = end.min(0.0);
     let there = |sample: &&Sample| sample.error.objective - least <= goal;
@@ -278,30 +279,4 @@ fn verdict(scope: Scope, all: &[Taken]) -> String {
         GOALS[1],
         each.collect::<Vec<_>>().join(", ")
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::yardstick::StepError;
-
-    #[test]
-    fn a_lower_minimum_is_not_reached_where_it_passes_the_other() {
-        let sample = |(iteration, objective): (u32, Real)| Sample {
-            iteration,
-            seconds: Real::from(iteration),
-            error: StepError {
-                objective,
-                gradient: 0.0,
-            },
-        };
-        let trace = |values: [Real; 4]| (1..).zip(values).map(sample).collect::<Vec<_>>();
-        let same = trace([1e-2, 1e-5, 1e-9, 1e-13]);
-        assert_eq!(first_within(1e-8, &same), Some((3, 3.0)));
-        let lower = trace([1e-2, -1e-5, -2e-5, -2e-5 - 1e-12]);
-        assert_eq!(first_within(1e-8, &lower), Some((3, 3.0)));
-        let higher = trace([1e-2, 1e-3, 1e-4, 1e-5]);
-        assert_eq!(first_within(1e-8, &higher), None);
-        assert_eq!(first_within(1e-3, &[]), None);
-    }
 }

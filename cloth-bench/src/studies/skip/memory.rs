@@ -25,19 +25,24 @@ pub(super) const FEATURES: [(&str, bool, [&str; 3]); 13] = [
 
 /// Bytes that are held after a first step, and how often memory was asked for until then.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Held {
+pub struct Held {
     #[serde(rename = "without (bytes)")]
     without: i64,
+    /// In excess of that without the feature, where it is set to do nothing (bytes).
     #[serde(rename = "unused − without (bytes)")]
-    unused: i64,
+    pub unused: i64,
+    /// The same in allocations.
     #[serde(rename = "unused − without (allocations)")]
-    unused_count: i64,
+    pub unused_count: i64,
+    /// In excess of that without the feature, where it is in use (bytes).
     #[serde(rename = "in use − without (bytes)")]
-    used: i64,
+    pub used: i64,
+    /// The same in allocations.
     #[serde(rename = "in use − without (allocations)")]
-    used_count: i64,
+    pub used_count: i64,
+    /// Allocations of a second step, where the feature is set to do nothing.
     #[serde(rename = "second step, unused (allocations)")]
-    later: i64,
+    pub later: i64,
 }
 
 /// Vertices a side.
@@ -45,7 +50,11 @@ fn side(scope: Scope) -> u32 {
     scope.pick(9, 33)
 }
 
-fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
+/// What a sheet of so many vertices a side holds with a feature.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
     // One thread, so that nothing is asked for by another.
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let alone = alone.map_err(BenchError::failed)?;
@@ -81,7 +90,7 @@ fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
 }
 
 /// Every feature with every method that has it.
-fn features() -> impl Iterator<Item = Feature> {
+pub fn features() -> impl Iterator<Item = Feature> {
     let methods = || method::all().filter(|method| !method.is_never_stable());
     FEATURES
         .into_iter()
@@ -120,33 +129,4 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
         FEATURES.len() - costly.len(),
         costly.join(", ")
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// But for a contact hook that is there and has nothing to do, which holds its mesh.
-    #[test]
-    fn what_is_not_used_holds_no_memory_and_what_is_used_does() {
-        for Feature { feature, method } in features() {
-            let held = held(9, feature, method).unwrap();
-            let told = format!("{feature}, {method}: {held:?}");
-            assert_eq!(held.later, 0, "{told}");
-            match feature {
-                "contact" => {
-                    assert!((30_000..200_000).contains(&held.unused), "{told}");
-                    assert!(held.used > held.unused, "{told}");
-                }
-                // Of settings of a method their text is copied, and given back.
-                _ => assert!(held.unused == 0 && held.unused_count <= 3, "{told}"),
-            }
-            match feature {
-                "observer" => assert_eq!((held.used, held.used_count), (0, 0), "{told}"),
-                "strain limiting" => assert_eq!(held.used, 26_512, "{told}"),
-                "bending" => assert!(held.used > 15_000, "{told}"),
-                _ => {}
-            }
-        }
-    }
 }

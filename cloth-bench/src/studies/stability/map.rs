@@ -24,15 +24,17 @@ pub(super) fn runs(scope: Scope, method: &str) -> u64 {
 }
 
 /// A pair of parameters.
-pub(super) struct Map {
-    pub(super) name: &'static str,
+#[derive(Debug)]
+pub struct Map {
+    /// In names of files.
+    pub name: &'static str,
     pub(super) caption: &'static str,
     /// What changes from column to column, and from row to row.
     pub(super) across: &'static str,
     pub(super) down: &'static str,
     values: [[&'static [Real]; 2]; 2],
     /// Who is asked.
-    pub(super) methods: fn() -> Vec<Variant>,
+    pub methods: fn() -> Vec<Variant>,
     /// The sheet and its step (s) for a value across and one down.
     build: fn(Real, Real) -> Result<(Scene, Real), BenchError>,
 }
@@ -76,7 +78,7 @@ fn with_single() -> Vec<Variant> {
 }
 
 /// Values are those of the quick scope, across and down, then of the full one.
-pub(super) static MAPS: [Map; 5] = [
+pub static MAPS: [Map; 5] = [
     Map {
         name: "step",
         caption: "Step size and stiffness",
@@ -141,12 +143,10 @@ impl Map {
     }
 
     /// What a method makes of every value across, with one down.
-    pub(super) fn row(
-        &self,
-        scope: Scope,
-        down: Real,
-        method: &Variant,
-    ) -> Result<Vec<Fate>, BenchError> {
+    ///
+    /// # Errors
+    /// [`BenchError`] for a method that is not known.
+    pub fn row(&self, scope: Scope, down: Real, method: &Variant) -> Result<Vec<Fate>, BenchError> {
         let steps = if scope == Scope::Quick { 20 } else { 60 };
         let (across, _) = self.values(scope);
         let fate = |first: Real| match (self.build)(first, down) {
@@ -160,7 +160,10 @@ impl Map {
 }
 
 /// The worst that came of so many runs, of which one that fails is enough.
-pub(super) fn worst(
+///
+/// # Errors
+/// The first of `run`.
+pub fn worst(
     runs: u64,
     mut run: impl FnMut(u64) -> Result<Fate, BenchError>,
 ) -> Result<Fate, BenchError> {
@@ -201,7 +204,10 @@ fn hung(stiffness: Real) -> Result<Scene, BenchError> {
 }
 
 /// The sheet moved by `offset` (m) along each axis: its edges lose as many digits as its coordinates have more.
-pub(super) fn far_away(offset: Real, stiffness: Real) -> Result<Scene, BenchError> {
+///
+/// # Errors
+/// [`BenchError`] of a scene that cannot be built.
+pub fn far_away(offset: Real, stiffness: Real) -> Result<Scene, BenchError> {
     let mut scene = hung(stiffness)?;
     for x in &mut scene.start.positions {
         *x += Vec3::repeat(offset);

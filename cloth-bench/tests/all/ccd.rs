@@ -1,0 +1,4 @@
+//! Continuous collision detection, held against queries of known answer.
+
+mod coplanarity;
+mod file;

@@ -1,0 +1,44 @@
+//! Tables of rows that are structs.
+
+use cloth_bench::journal::Number;
+use cloth_bench::report::table::{Cell, Table};
+use serde::Serialize;
+
+#[derive(Default, Serialize)]
+struct Point {
+    method: &'static str,
+    #[serde(rename = "dt (s)")]
+    dt: f64,
+}
+
+#[derive(Default, Serialize)]
+struct Measured {
+    steps: Option<u32>,
+    #[serde(rename = "error (m)")]
+    error: Number,
+    at_rest: bool,
+    remarks: [Cell; 2],
+}
+
+#[test]
+fn columns_are_the_fields_of_a_point_and_of_what_was_measured_there() {
+    let measured = Measured {
+        steps: None,
+        error: Number(f64::INFINITY),
+        at_rest: true,
+        remarks: [Cell::Missing, Cell::from("slow")],
+    };
+    let point = Point {
+        method: "pbd",
+        dt: 0.5,
+    };
+    assert_eq!(
+        Table::of(&[(point, measured)]).to_csv(),
+        "method,dt (s),steps,error (m),at rest,remarks,remarks\r\npbd,0.5,,inf,yes,,slow\r\n"
+    );
+}
+
+#[test]
+fn a_table_without_rows_has_its_columns() {
+    assert_eq!(Table::of::<Point>(&[]).to_csv(), "method,dt (s)\r\n");
+}

@@ -1,0 +1,3 @@
+//! What scenes are built of.
+
+mod pins;

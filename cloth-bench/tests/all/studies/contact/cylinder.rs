@@ -1,0 +1,61 @@
+//! Strips on a cylinder, and stacks on a floor.
+
+use cloth_bench::studies::contact::cylinder::{pressing, slipping, stack};
+use cloth_bench::studies::contact::laws::Measured;
+
+/// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. Friction of
+/// implicit Euler to 1e-3 lets go later than that; position-based dynamics with one substep does not.
+#[test]
+fn strips_slip_at_the_ratio_of_their_polygon() {
+    for name in [
+        "symplectic-euler",
+        "bdf2",
+        "linear-implicit",
+        "pd",
+        "xpbd",
+        "implicit-euler",
+    ] {
+        let Measured { expected, measured } = slipping(name, 0.3).unwrap();
+        let over = measured.0 / expected.0 - 1.0;
+        let most = if name == "implicit-euler" {
+            0.07
+        } else {
+            0.035
+        };
+        assert!((0.0..most).contains(&over), "{name}: {over}");
+    }
+    assert!(slipping("pbd", 0.3).unwrap().measured.0.is_infinite());
+}
+
+/// Soft cloth of position-based dynamics is longer, and presses by as much more.
+#[test]
+fn hanging_strips_press_as_their_tension_says() {
+    for (name, most) in [
+        ("symplectic-euler", 2e-3),
+        ("implicit-euler", 2e-3),
+        ("bdf2", 2e-3),
+        ("linear-implicit", 2e-3),
+        ("pd", 2e-3),
+        ("xpbd", 2e-3),
+        ("pbd", 0.21),
+    ] {
+        let Measured { expected, measured } = pressing(name, 3.0).unwrap();
+        let error = (measured.0 / expected.0 - 1.0).abs();
+        assert!(error < most, "{name}: {error}");
+    }
+}
+
+/// Methods that minimise end a step at a tolerance; the others take as much momentum as gravity gives.
+#[test]
+fn floors_bear_the_weight_of_stacks() {
+    for (name, most) in [
+        ("symplectic-euler", 1e-8),
+        ("xpbd", 1e-8),
+        ("pd", 1e-8),
+        ("implicit-euler", 1e-3),
+    ] {
+        let Measured { expected, measured } = stack(name, 3.0).unwrap();
+        let error = (measured.0 / expected.0 - 1.0).abs();
+        assert!(error < most, "{name}: {error}");
+    }
+}

@@ -1,0 +1,3 @@
+//! The study of convergence.
+
+mod variants;

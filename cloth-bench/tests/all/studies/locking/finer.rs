@@ -1,0 +1,27 @@
+//! A drape taken to a finer grid.
+
+use cloth_bench::studies::locking::finer::refined;
+use cloth_bench::studies::locking::sheet::square;
+use cloth_core::math::Vec3;
+
+/// Bilinear functions of the place at rest are kept, and every second point is a point of the coarse grid.
+#[test]
+fn a_finer_grid_lies_on_the_coarser_one() {
+    let cells = 6;
+    let coarse = square("alternating", cells).unwrap();
+    let fine = square("alternating", 2 * cells).unwrap();
+    let bilinear = |p: &Vec3| Vec3::new(p.x + 0.2 * p.y, p.y - 0.3 * p.x * p.y, p.x * p.y + 0.1);
+    let placed: Vec<Vec3> = coarse.positions().iter().map(bilinear).collect();
+    let found = refined(&placed, cells).unwrap();
+    assert_eq!(found.len(), fine.vertex_count());
+    for (x, p) in found.iter().zip(fine.positions()) {
+        assert!((x - bilinear(p)).norm() < 1e-15);
+    }
+    let bent = |p: &Vec3| p + Vec3::z() * (5.0 * p.x - 3.0 * p.y * p.y).sin();
+    let placed: Vec<Vec3> = coarse.positions().iter().map(bent).collect();
+    let found = refined(&placed, cells).unwrap();
+    for (p, x) in coarse.positions().iter().zip(&placed) {
+        let same = fine.positions().iter().position(|q| (q - p).norm() < 1e-12);
+        assert!((found[same.unwrap()] - x).norm() < 1e-14);
+    }
+}

@@ -1,0 +1,5 @@
+//! The study of Newton's method.
+
+mod convexity;
+mod overshoot;
+mod steps;

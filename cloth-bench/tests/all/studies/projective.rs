@@ -1,0 +1,3 @@
+//! The study of projective dynamics.
+
+mod swing;

@@ -1,0 +1,3 @@
+//! What features cost that are not used.
+
+mod memory;
