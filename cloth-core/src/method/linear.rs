@@ -40,7 +40,7 @@ pub use chebyshev::ChebyshevJacobi;
 pub use cholesky::{Cholesky, CholeskyError, FactorView, UpperPattern};
 pub use conjugate_gradients::{ConjugateGradients, Preconditioner};
 #[cfg(feature = "cholesky")]
-pub use fill::FillOrdering;
+pub use fill::{Elimination, FillOrdering};
 pub use gauss_seidel::GaussSeidel;
 #[cfg(feature = "cholesky")]
 pub use inertia::Inertia;

@@ -44,7 +44,7 @@ mod prolongation;
 mod rank_one;
 mod weights;
 
-pub use mesh_levels::{CoarseLevel, coarse_levels};
+pub use mesh_levels::{CoarseLevel, Geodesics, coarse_levels};
 pub use prolongation::Prolongation;
 
 use crate::contact::ContactRow;

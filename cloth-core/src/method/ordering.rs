@@ -220,16 +220,3 @@ fn spread(coordinate: u32) -> u64 {
     x = (x | (x << 4)) & 0x10C3_0C30_C30C_30C3;
     (x | (x << 2)) & 0x1249_2492_4924_9249
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn spreading_moves_every_bit_to_three_times_its_place() {
-        for bit in 0..21 {
-            assert_eq!(spread(1 << bit), 1 << (3 * bit));
-        }
-        assert_eq!(spread((1 << 21) - 1), 0x1249_2492_4924_9249);
-    }
-}

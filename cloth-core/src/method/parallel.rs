@@ -168,7 +168,6 @@ impl<const N: usize> Stencils<N> {
     }
 
     /// Where the parts of each stage begin and end.
-    #[cfg(test)]
     pub(crate) fn stages(&self) -> &[Vec<usize>] {
         &self.stages
     }
@@ -398,34 +397,4 @@ fn fetch<T>(place: *const T) {
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = place;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Stencils;
-
-    #[test]
-    fn a_vertex_may_be_in_one_part_of_every_stage() {
-        let stages = vec![vec![0, 2, 3], vec![3, 4]];
-        let stencils = Stencils::new(vec![[0, 1], [1, 2], [3, 4], [2, 3]], stages, 5);
-        assert_eq!(stencils.stages().len(), 2);
-    }
-
-    #[test]
-    #[should_panic(expected = "two parts of a stage share vertex 1")]
-    fn parts_that_share_a_vertex_are_refused() {
-        let _ = Stencils::new(vec![[0, 1], [2, 3], [1, 4]], vec![vec![0, 1, 2, 3]], 5);
-    }
-
-    #[test]
-    #[should_panic(expected = "a vertex that does not exist")]
-    fn a_vertex_that_does_not_exist_is_refused() {
-        let _ = Stencils::new(vec![[0, 1], [2, 3]], vec![vec![0, 2]], 3);
-    }
-
-    #[test]
-    #[should_panic(expected = "slice index starts at 2 but ends at 1")]
-    fn bounds_that_do_not_ascend_are_refused() {
-        let _ = Stencils::new(vec![[0, 1], [2, 3]], vec![vec![0, 2, 1]], 4);
-    }
 }

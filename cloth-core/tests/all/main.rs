@@ -1,23 +1,34 @@
 //! All tests of this crate in one program, which links once; a file is a subject, and a filter picks it:
 //! `cargo test --release -p cloth-core --test all bending::`.
 
+use cloth_core::math; // files of the library that are included ask for `crate::math`
+
 mod air;
 mod area_volume;
 mod bending;
 mod carriers;
 mod cloth;
+mod coloring;
+mod contact_steps;
 #[path = "../support/counting_allocator.rs"]
 mod counting_allocator;
 #[cfg(feature = "cholesky")]
 mod detail;
+mod directions;
 #[cfg(feature = "cholesky")]
 mod dof;
 #[path = "../support/element_checks.rs"]
 mod element_checks;
 mod elements;
+#[cfg(feature = "cholesky")]
+mod elimination;
 mod enclosure;
+mod geodesics;
 mod geometric_stiffness;
 mod hessian_product;
+mod incidence;
+mod limited_memory;
+mod line_search;
 #[cfg(feature = "cholesky")]
 mod linear;
 mod linear_solvers;
@@ -30,11 +41,17 @@ mod pieces;
 mod ply;
 mod position_based;
 mod projection;
+mod prolongation;
+mod random;
 #[cfg(feature = "cholesky")]
 mod relief;
 #[cfg(feature = "cholesky")]
 mod saddle;
+mod semidefinite;
+mod stencils;
 mod stitch;
 mod sweep_forms;
 mod sweeps;
 mod topology;
+mod trust;
+mod weights;

@@ -4,6 +4,7 @@ use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, disk, grid, irregular, join, sphere};
 use cloth_core::method::ordering::Order;
+use cloth_core::random::SplitMix64;
 use cloth_core::topology::{EdgeTable, Topology};
 use proptest::prelude::*;
 
@@ -135,6 +136,32 @@ fn every_piece_is_numbered() {
     let piece = sphere(3, 1.0).unwrap();
     let two = shuffled(&join(&[piece.clone(), disk(5, 1.0).unwrap(), piece]).unwrap());
     assert!(is_permutation(&cuthill_mckee(&two)));
+}
+
+/// Bit k of a coordinate is bit 3 k of the place along the curve, with those of the other two between.
+#[test]
+fn morton_interleaves_every_bit() {
+    let code = |cell: &[u32; 3]| {
+        let bit = |k: usize| u64::from(cell[k % 3] >> (k / 3) & 1) << k;
+        (0..63).map(bit).sum::<u64>()
+    };
+    let last = (1 << 21) - 1;
+    let mut cells = vec![[0; 3], [last; 3]];
+    for bit in 0..21 {
+        cells.extend(
+            [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]].map(|axes| axes.map(|a| a << bit)),
+        );
+    }
+    let mut random = SplitMix64::new(1);
+    let mut some = || (random.next_bits() >> 43) as u32;
+    cells.extend((0..1000).map(|_| [some(), some(), some()]));
+    let positions: Vec<Vec3> = cells
+        .iter()
+        .map(|cell| Vec3::from(cell.map(f64::from)))
+        .collect();
+    let mut expected: Vec<u32> = (0..cells.len() as u32).collect();
+    expected.sort_by_key(|&v| code(&cells[v as usize]));
+    assert_eq!(Order::morton(&positions).old_of_new(), expected);
 }
 
 #[test]

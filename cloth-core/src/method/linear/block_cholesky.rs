@@ -44,7 +44,7 @@ impl BlockCholesky {
         is_free: &[bool],
         ordering: FillOrdering,
     ) -> Result<Self, CholeskyError> {
-        Self::analyze_by(pattern, is_free, |graph| fill::ordered(graph, ordering))
+        Self::analyze_by(pattern, is_free, |graph| ordering.elimination(graph))
     }
 
     fn analyze_by(

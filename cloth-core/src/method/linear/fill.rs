@@ -22,36 +22,42 @@ pub enum FillOrdering {
 
 /// An order of the rows, and what a factorisation costs in it.
 #[derive(Clone, Debug)]
-pub(super) struct Elimination {
-    pub(super) ordering: FillOrdering,
+pub struct Elimination {
+    /// How it was found.
+    pub ordering: FillOrdering,
     /// The row at each place.
-    pub(super) sequence: Vec<u32>,
-    /// Multiplications: the squares of the columns' nonzeros, added up.
-    pub(super) work: Real,
+    pub sequence: Vec<u32>,
+    /// Multiplications (dimensionless): the squares of the columns' nonzeros, added up.
+    pub work: Real,
+}
+
+impl FillOrdering {
+    /// The order of the rows of a matrix, and what a factorisation in it would cost; nothing is factorised.
+    ///
+    /// # Errors
+    /// [`CholeskyError::TooLarge`] if there is no memory for it.
+    ///
+    /// # Panics
+    /// If the pattern is not one of an upper half.
+    pub fn elimination(self, pattern: &UpperPattern) -> Result<Elimination, CholeskyError> {
+        let graph = Graph::new(pattern.dimension(), pattern.off_diagonal());
+        let sequence = match self {
+            Self::MinimumDegree => minimum_degree(pattern)?,
+            Self::NestedDissection => nested_dissection::sequence(&graph),
+        };
+        Ok(Elimination {
+            work: column_counts(&graph, &sequence).map(|c| c * c).sum(),
+            ordering: self,
+            sequence,
+        })
+    }
 }
 
 /// The order of less work.
 pub(super) fn best(pattern: &UpperPattern) -> Result<Elimination, CholeskyError> {
-    let one = ordered(pattern, FillOrdering::MinimumDegree)?;
-    let other = ordered(pattern, FillOrdering::NestedDissection)?;
+    let one = FillOrdering::MinimumDegree.elimination(pattern)?;
+    let other = FillOrdering::NestedDissection.elimination(pattern)?;
     Ok(if other.work < one.work { other } else { one })
-}
-
-/// One of them.
-pub(super) fn ordered(
-    pattern: &UpperPattern,
-    ordering: FillOrdering,
-) -> Result<Elimination, CholeskyError> {
-    let graph = Graph::new(pattern.dimension(), pattern.off_diagonal());
-    let sequence = match ordering {
-        FillOrdering::MinimumDegree => minimum_degree(pattern)?,
-        FillOrdering::NestedDissection => nested_dissection::sequence(&graph),
-    };
-    Ok(Elimination {
-        work: column_counts(&graph, &sequence).map(|c| c * c).sum(),
-        ordering,
-        sequence,
-    })
 }
 
 fn minimum_degree(pattern: &UpperPattern) -> Result<Vec<u32>, CholeskyError> {
@@ -96,52 +102,4 @@ fn column_counts(graph: &Graph, sequence: &[u32]) -> impl Iterator<Item = Real> 
         }
     }
     counts.into_iter().map(Real::from)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The upper half of a dense pattern of nonzeros.
-    fn upper(nonzero: &[Vec<bool>]) -> UpperPattern {
-        let mut pattern = UpperPattern {
-            column_offsets: vec![0],
-            rows: Vec::new(),
-        };
-        for column in 0..nonzero.len() {
-            let rows = (0..=column).filter(|&row| nonzero[row][column]);
-            pattern.rows.extend(rows.map(|row| row as u32));
-            pattern.column_offsets.push(pattern.rows.len() as u32);
-        }
-        pattern
-    }
-
-    #[test]
-    fn the_count_is_that_of_elimination_on_paper() {
-        let n = 40;
-        let mut nonzero = vec![vec![false; n]; n];
-        for i in 0..n {
-            nonzero[i][i] = true;
-            for j in [(7 * i + 3) % n, (i + 1) % n] {
-                (nonzero[i][j], nonzero[j][i]) = (true, true);
-            }
-        }
-        for ordering in [FillOrdering::MinimumDegree, FillOrdering::NestedDissection] {
-            let found = ordered(&upper(&nonzero), ordering).unwrap();
-            let mut left = nonzero.clone();
-            let mut expected = 0.0;
-            for (at, &row) in found.sequence.iter().enumerate() {
-                let later = &found.sequence[at..];
-                let later = later.iter().map(|&r| r as usize);
-                let touched: Vec<usize> = later.filter(|&r| left[row as usize][r]).collect();
-                expected += (touched.len() as Real).powi(2);
-                for &a in &touched {
-                    for &b in &touched {
-                        left[a][b] = true;
-                    }
-                }
-            }
-            assert_eq!(found.work, expected, "{ordering:?}");
-        }
-    }
 }

@@ -8,7 +8,7 @@ use super::prolongation::Prolongation;
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 use crate::topology::EdgeTable;
-use geodesic::Geodesics;
+pub use geodesic::Geodesics;
 use selection::{Coarsening, Graph, coarsen};
 
 /// A level made of a finer one: the mesh, or a level that has been made before.

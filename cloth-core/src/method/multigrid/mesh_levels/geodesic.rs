@@ -13,7 +13,7 @@ use std::collections::BinaryHeap;
 /// meshes", WSCG 2002). On a flat or a folded sheet the result is exact wherever the straight way lies within the sheet
 /// and no obtuse triangle hides it, and elsewhere too long: round a hole or a slit, never across.
 #[derive(Debug)]
-pub(super) struct Geodesics<'a> {
+pub struct Geodesics<'a> {
     positions: &'a [Vec3],
     triangles: &'a [[u32; 3]],
     /// Triangles at vertex v: `around[starts[v]..starts[v + 1]]`.
@@ -45,7 +45,9 @@ impl PartialOrd for Order {
 }
 
 impl<'a> Geodesics<'a> {
-    pub(super) fn new(mesh: &'a TriMesh) -> Self {
+    /// Over a mesh at rest.
+    #[must_use]
+    pub fn new(mesh: &'a TriMesh) -> Self {
         let count = mesh.vertex_count();
         let mut starts = vec![0_u32; count + 1];
         for &v in mesh.triangles().iter().flatten() {
@@ -75,7 +77,10 @@ impl<'a> Geodesics<'a> {
     }
 
     /// The distances (m) from `source` to each of `targets`; infinite where there is no way.
-    pub(super) fn from(&mut self, source: u32, targets: &[u32]) -> Vec<Real> {
+    ///
+    /// # Panics
+    /// If one of them is not a vertex of the mesh.
+    pub fn from(&mut self, source: u32, targets: &[u32]) -> Vec<Real> {
         self.reach(source, 0.0);
         let mut open = targets.len();
         while open > 0 {
@@ -144,77 +149,5 @@ impl<'a> Geodesics<'a> {
         let crossing = source + (foot - source) * depth / (depth + height);
         (depth + height > 0.0 && (0.0..=length).contains(&crossing))
             .then(|| (foot - source).hypot(height + depth))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::generate::{Diagonals, grid, irregular, without_triangles};
-
-    fn all(mesh: &TriMesh, source: u32) -> Vec<Real> {
-        let targets: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
-        Geodesics::new(mesh).from(source, &targets)
-    }
-
-    fn straight(mesh: &TriMesh, a: u32, b: u32) -> Real {
-        (mesh.positions()[a as usize] - mesh.positions()[b as usize]).norm()
-    }
-
-    #[test]
-    fn on_a_flat_sheet_the_way_is_straight() {
-        for pattern in [Diagonals::OneWay, Diagonals::Alternating] {
-            let mesh = grid(9, 7, 1.0, 1.0, pattern).unwrap();
-            for source in [0, 4, 31, 62] {
-                for (v, distance) in all(&mesh, source).into_iter().enumerate() {
-                    let error = distance - straight(&mesh, source, v as u32);
-                    assert!(error.abs() < 1e-14, "{pattern:?} {source} {v}: {error:e}");
-                }
-            }
-        }
-        // With obtuse triangles the way can be a little too long, never too short.
-        let crossed = grid(9, 7, 1.0, 1.0, Diagonals::Crossed).unwrap();
-        for (v, distance) in all(&crossed, 31).into_iter().enumerate() {
-            let ratio = distance / straight(&crossed, 31, v as u32).max(1e-9);
-            assert!(v == 31 || (1.0 - 1e-14..1.03).contains(&ratio), "{ratio}");
-        }
-        let mesh = irregular(12, 1.0, 1.0, 8).unwrap();
-        for (v, distance) in all(&mesh, 70).into_iter().enumerate() {
-            let ratio = distance / straight(&mesh, 70, v as u32).max(1e-9);
-            assert!(v == 70 || (1.0 - 1e-14..1.01).contains(&ratio), "{ratio}");
-        }
-    }
-
-    #[test]
-    fn folding_changes_no_distance() {
-        let flat = grid(9, 9, 1.0, 1.0, Diagonals::OneWay).unwrap();
-        // By a right angle, along the middle line.
-        let fold = |p: &Vec3| match p.x > 0.5 {
-            true => Vec3::new(0.5, p.y, p.x - 0.5),
-            false => *p,
-        };
-        let folded = flat.positions().iter().map(fold).collect();
-        let folded = TriMesh::new(folded, flat.triangles().to_vec()).unwrap();
-        for (a, b) in all(&flat, 3).into_iter().zip(all(&folded, 3)) {
-            assert!((a - b).abs() < 1e-14, "{a} {b}");
-        }
-    }
-
-    #[test]
-    fn round_a_slit_and_never_across() {
-        let mesh = grid(11, 11, 1.0, 1.0, Diagonals::Alternating).unwrap();
-        // Without the cells of a column, but for the topmost.
-        let cut = |_, corners: [Vec3; 3]| {
-            let centre = corners.iter().sum::<Vec3>() / 3.0;
-            (0.4..0.5).contains(&centre.x) && centre.y < 0.9
-        };
-        let slit = without_triangles(&mesh, cut).unwrap();
-        let find = |x: Real, y: Real| {
-            let near = |p: &Vec3| (p - Vec3::new(x, y, 0.0)).norm() < 1e-9;
-            slit.positions().iter().position(near).unwrap() as u32
-        };
-        let (left, right) = (find(0.4, 0.0), find(0.5, 0.0));
-        let distance = Geodesics::new(&slit).from(left, &[right])[0];
-        assert!((distance - (0.9 + 0.1 + 0.9)).abs() < 1e-14, "{distance}");
     }
 }
