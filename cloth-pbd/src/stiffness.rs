@@ -152,35 +152,8 @@ impl ConstraintUpdate for Projection {
 /// than a tolerance around the cached number, keeps s a function of the configuration alone, so that a
 /// restarted run gives the same bits. It changes s by less than 5e-13 of itself.
 #[inline]
-fn rounded(weight: Real) -> Real {
+pub(crate) fn rounded(weight: Real) -> Real {
     const DROPPED: u64 = 12;
     let half = 1 << (DROPPED - 1);
     Real::from_bits((weight.to_bits() + half) >> DROPPED << DROPPED)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rounding_is_finer_than_promised_and_forgets_the_last_digits() {
-        for w in [1e-300, 0.3, 1.0 / 3.0, 7e5, 1e300] {
-            assert!((rounded(w) - w).abs() < 2.3e-13 * w);
-        }
-        assert_eq!(rounded(40.0 * (1.0 + 4.0 * Real::EPSILON)), 40.0);
-        assert_eq!(rounded(40.0 * (1.0 - 4.0 * Real::EPSILON)), 40.0);
-    }
-
-    #[test]
-    fn stiffness_of_a_projection_has_its_limits() {
-        assert_eq!(projection_stiffness(0.0, 7), 0.0);
-        assert_eq!(projection_stiffness(Real::INFINITY, 7), 1.0);
-        // Soft: s → z/n, to the last digits.
-        let s = projection_stiffness(1e-14, 4);
-        assert!((s - 0.25e-14).abs() < 1e-28, "{s}");
-        assert!(projection_stiffness(-0.5, 7) < 0.0);
-        for nothing in [-2.0, Real::NAN] {
-            assert!(projection_stiffness(nothing, 7).is_nan());
-        }
-    }
 }

@@ -11,6 +11,7 @@ mod materials;
 mod newton;
 mod order;
 mod oscillator;
+mod progress;
 mod refusals;
 mod robustness;
 mod second_order;

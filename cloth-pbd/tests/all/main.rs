@@ -14,4 +14,5 @@ mod pin_work;
 mod robustness;
 #[path = "../../../cloth-core/tests/support/sheet.rs"]
 mod sheet;
+mod stiffness;
 mod strain_limit;
