@@ -335,7 +335,8 @@
 //!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where `velocity_tolerance` or a failed line search
 //!   in contact ends the step; it is `Converged` where forces in contact balance to 10⁻⁸, where the cloth flies freely
 //!   (with `iterations: None`) and where nothing can move. A step that ends at `most_iterations` counts as
-//!   [`unfinished`](cloth_core::step::StepReport::unfinished). With [`PdConfig::tolerance`] the report has the residual.
+//!   [`unfinished`](cloth_core::step::StepReport::unfinished). With [`PdConfig::tolerance`] the report has the
+//!   residual.
 //!
 //! # Threads
 //! With the feature `parallel` (default) the vertices are cut into blocks of consecutive numbers. Each block visits the
