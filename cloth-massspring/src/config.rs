@@ -54,7 +54,8 @@ pub struct ImplicitConfig {
     pub max_iterations: u32,
     /// How far the change of velocity that the forces make may be from that of the minimum, relative to itself
     /// (dimensionless): the iteration ends when the Newton decrement is small enough,
-    /// `√(∇Gᵀ H⁻¹ ∇G) ≤ tolerance · ‖x − x̂‖_M/s`, or when rounding allows no more; 0 asks for as much as rounding allows. For a quadratic with this H
+    /// `√(∇Gᵀ H⁻¹ ∇G) ≤ tolerance · ‖x − x̂‖_M/s`, or when rounding allows no more; 0 asks for as much as rounding
+    /// allows. For a quadratic with this H
     /// the decrement *is* the error in the norm of H, and so bounds that in M/s² from above; elsewhere it is an
     /// estimate (Boyd and Vandenberghe, *Convex Optimization*, 2004, section 9.5.1); `G` is then above its minimum by
     /// no more than `tolerance²` of the kinetic energy of that change. The quasi-Newton method has an H that is too

@@ -84,9 +84,10 @@ use stage::Stage;
 ///
 /// The residual in the report is what [`ImplicitConfig::tolerance`] bounds: the Newton decrement relative to the change
 /// of velocity that all forces but gravity and load have made. A step may end earlier by its upper bound
-/// `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹. A step has converged when it is below the tolerance, or when the gradient is as
-/// small as rounding lets it be: positions are stored to half a unit in the last place of their coordinates, `½ ε |x|`,
-/// and a spring answers that with a force of `½ ε |x| k`. For a sheet of 1 m with springs of 10⁴ N/m and Δt = 1/60 s
+/// `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹. A step has converged when it is below the tolerance, or when the
+/// gradient is as small as rounding lets it be: positions are stored to half a unit in the last place of their
+/// coordinates, `½ ε |x|`, and a spring answers that with a force of `½ ε |x| k`. For a sheet of 1 m with springs of
+/// 10⁴ N/m and Δt = 1/60 s
 /// this floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free fall there are no forces, and the floor decides alone.
 ///
 /// Prescribed vertices are those of the particles the solver was built for. They end at `x[0] + Δt v[0]`, and their

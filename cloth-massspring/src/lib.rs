@@ -112,11 +112,12 @@
 //! | [`DihedralHinge`](cloth_core::energy::DihedralHinge), `½ K (θ − θ₀)²` | where `θ ≠ θ₀`, by `K (θ − θ₀) ∂²θ` |
 //!
 //! A membrane of triangles has `F = [x₁ − x₀, x₂ − x₀] B` (3 × 2, dimensionless) with `B = [X₁ − X₀, X₂ − X₀]⁻¹` of the
-//! rest shape in its plane (1/m), `G = ½ (FᵀF − I)`, `S = C:G` (N/m, thickness included) and the forces `[f₁, f₂] = −A
-//! F S Bᵀ`, `f₀ = −f₁ − f₂` (N), with the rest area A. Stretched by λ in one direction, with ν = 0, a StVK triangle has
-//! the energy `(λ² − 1)²/8` per area and modulus: its curvature `(3λ² − 1)/2` is negative below `λ = 1/√3`, and its
-//! force `λ (λ² − 1)/2` fades from there to zero at λ =
-//! 0. Pressed flat it holds a finite energy, so it can be turned inside out, as springs can.
+//! rest shape in its plane (1/m), `G = ½ (FᵀF − I)`, `S = C:G` (N/m, thickness included) and, with the rest area A, the
+//! forces `[f₁, f₂] = −A F S Bᵀ`, `f₀ = −f₁ − f₂` (N).
+//!
+//! Stretched by λ in one direction, with ν = 0, a StVK triangle has the energy `(λ² − 1)²/8` per area and modulus: its
+//! curvature `(3λ² − 1)/2` is negative below `λ = 1/√3`, and its force `λ (λ² − 1)/2` fades from there to zero when it
+//! is pressed flat. There it holds a finite energy, so it can be turned inside out, as springs can.
 //!
 //! # From equation to function
 //!
