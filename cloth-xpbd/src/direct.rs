@@ -91,10 +91,10 @@
 //!
 //! # Direct or sweeps
 //! What one step to 1e-6 of the size costs (medians of 60 steps, one thread of an Intel Xeon that did other work too,
-//! commit e6a6660), and how many substeps of one sweep [`XpbdSolver`](crate::XpbdSolver) makes in that time: `cloth-bench
-//! run chain --n 100 --steps 60 --threads 1 --set stiffness=1e6 --set tip_mass=10 --method xpbd-direct`, links of 5 cm
-//! and 10 g falling from the horizontal (equal masses: `tip_mass=0.01`), the same with `--method xpbd --set substeps=200
-//! --set energy_gain=none`, and both on `run hang --n 17`:
+//! commit e6a6660), and how many substeps of one sweep [`XpbdSolver`](crate::XpbdSolver) makes in that time. Links of
+//! 5 cm and 10 g fall from the horizontal: `cloth-bench run chain --n 100 --steps 60 --threads 1 --set stiffness=1e6
+//! --set tip_mass=10 --method xpbd-direct` (equal masses: `tip_mass=0.01`), the same with `--method xpbd --set
+//! substeps=200 --set energy_gain=none`, and both methods on `hang --n 17`:
 //!
 //! | scene | direct (ms) | iterations | substeps in that time |
 //! |---|---|---|---|
@@ -112,8 +112,8 @@
 //! directions that the links had before it, as an explicit method does: a light vertex of mass m between links
 //! of length l under a tension T swings sideways with up to `ω² = 4T/(m l)`, and beyond `hω = 2` one solve a
 //! step is unstable, however stiff the links and however exact the solve. With `−Σ λ ∂²C` in H, made positive
-//! semi-definite, it is stable (Tournier et al. 2015). Ours is the full matrix, not the stiffness of each
-//! vertex alone. With `warm_start` the first step, which has no λ to start from, makes one solve more, without moving.
+//! semi-definite, it is stable (Tournier et al. 2015). The primal–dual systems take all its blocks, not only the
+//! diagonal ones. With `warm_start` the first step has no λ to start from, and solves once more to find one, unmoved.
 //!
 //! # Contact
 //! Contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints)) are no part of the
