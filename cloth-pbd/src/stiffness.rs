@@ -172,6 +172,11 @@ mod tests {
     }
 
     #[test]
+    fn a_row_is_stored_in_24_bytes() {
+        assert_eq!(size_of::<CachedScale>(), 24);
+    }
+
+    #[test]
     fn stiffness_of_a_projection_has_its_limits() {
         assert_eq!(projection_stiffness(0.0, 7), 0.0);
         assert_eq!(projection_stiffness(Real::INFINITY, 7), 1.0);
