@@ -9,8 +9,8 @@
 //! pages; ψ is the energy of contact.)
 //!
 //! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Of n² of them a *broad phase* leaves
-//! the few whose boxes overlap, and of those the ones that no plane has apart ([`ClothCandidates`]). From there to the
-//! end of a step there are four more stages:
+//! the few whose boxes overlap, and of those the ones that no plane separates ([`ClothCandidates`]). Four more stages
+//! follow until the end of a step:
 //!
 #![doc = include_str!("../doc/stages.svg")]
 //!
@@ -22,8 +22,8 @@
 //! # Between two moments
 //!
 //! A vertex at 10 m/s moves 17 cm in a sixtieth of a second, a hundred times the thickness of a cloth. It is on one
-//! side at one moment and on the other at the next, and no look at the two moments sees it pass. So the motion in
-//! between has to be looked at: all vertices move linearly, and the question is the first time at which a vertex and a
+//! side at one moment and on the other at the next, and the two moments alone do not show that it passed. So the motion
+//! in between is tested: all vertices move linearly, and the question is the first time at which a vertex and a
 //! triangle, or two edges, are at distance 0 (or d). Vertices and triangles alone are not enough: two edges can cross
 //! with all four of their ends in the clear.
 //!
@@ -52,23 +52,24 @@
 //!    momentum is kept whatever is done with it. Of two sheets that touch, the vertices of both
 //!    press with half of their areas, together as much as one sheet presses a body.
 //! 2. *Detection.* Only pairs with d < h have energy. Which pairs can come so near within a step follows from bounds on
-//!    relative motion: two patches, of at most 32 neighbouring triangles each, whose gap is g need no look as long as
-//!    their displacements differ by less than g − h.
+//!    relative motion: two patches, of at most 32 neighbouring triangles each, whose gap is g need no detection as long
+//!    as their displacements differ by less than g − h.
 //! 3. *Views.* A method that minimises adds A ψ, A ψ′ ∂d and A ψ″ ∂d ∂dᵀ. One that projects takes the same contact as
 //!    the inequality C = n·Σ wᵢ xᵢ − h ≥ 0 with the compliance α = 1/(A ψ″): where it pushes, −C/α is the force (N)
 //!    A ψ″ (h − d) of the quadratic law. So both rest at h − ρ g/κ on a body if ρ g ≤ κ h/2, and no number is tuned for
 //!    one of them.
 //! 4. *Filter.* The potential alone cannot tell the sides of a sheet apart. So every displacement is tested over the
 //!    whole of its path, and taken only as far as nothing reaches d = 0: what starts without a crossing stays without.
-//! 5. *Last resort.* An iteration that minimises and has no safe path stays where it is. A substep that projects has to
-//!    end somewhere, whatever it is taken for: a step of a method, the start of a minimisation among pins and bodies
-//!    that move, or what is moved after a step. Where sweeps do not make its path safe, pairs are pushed apart one by
-//!    one, what is stuck moves as one rigid body (an impact zone), and in the end vertices stay where they are:
-//!    possible unless prescribed vertices or bodies move into them, since the start was free of crossings, and reported
-//!    (`held`). So a step is either free of crossings or refused.
+//! 5. *Last resort.* An iteration that minimises and finds no safe path stays where it is. A substep that projects has
+//!    to end somewhere. Where sweeps do not make its path safe, pairs are pushed apart one by one, vertices that still
+//!    collide move as one rigid body (an impact zone), and in the end vertices stay where they are. That is possible
+//!    because the start was free of crossings, unless prescribed vertices or bodies move into them, and it is reported
+//!    (`held`). So a step is either free of crossings or refused. Two more things are done by such a substep: leading
+//!    the start of a minimisation around pins and bodies that move, and keeping what is moved after a step free.
 //!
-//! The naive program is `examples/first_program.rs`: contact with a floor and a ball in one file, compared with the
-//! potential of the crate.
+//! The naive loops are two examples, each compared with the potential of the crate: `examples/first_program.rs`, the
+//! vertices before a floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets. How the loops of the crate
+//! follow from them stands in [`potential`](potential#from-the-naive-loop-to-this-one).
 //!
 //! # Errors and bad input
 //!
@@ -86,14 +87,14 @@
 //!
 //! Pairs of primitives between patches of a large cloth are searched on several threads, with the feature `parallel` of
 //! `cloth-core`; all else runs on the thread that calls. A thread fills the lists of its own pairs of patches, and each
-//! list is sorted by what its pairs lack to contact and by their vertices; nothing is added up across threads. Sums and
-//! sweeps go through these lists one after the other, without colours. So results are the same bits whatever the number
-//! of threads, and the same on every run (`cloth-bench/tests/contract/thread_parity.rs`).
+//! list is sorted by d − h and then by vertices; nothing is added up across threads. Sums and sweeps go through these
+//! lists one after the other, without colours. So results are the same bits whatever the number of threads, and the
+//! same on every run (`cloth-bench/tests/contract/thread_parity.rs`).
 //!
 //! # Add an obstacle shape
 //!
 //! 1. A file in `obstacle/` with a type that implements [`SignedDistance`](obstacle::SignedDistance): the distance and
-//!    the outward normal at a point in the frame of the shape, whether it is convex, and a box around it. A constructor
+//!    the outward normal at a point in the frame of the shape, whether φ is convex, and a box around it. A constructor
 //!    that returns [`ObstacleError`](obstacle::ObstacleError) for sizes that make no shape.
 //! 2. Its line in the table of [`obstacle`]. Motion, moving frames and the continuous test are
 //!    [`Obstacle`](obstacle::Obstacle)'s, friction and work [`potential`]'s; they need nothing.
@@ -103,9 +104,10 @@
 //! 4. Triangles of its surface ([`PotentialBuilder::surface`](potential::PotentialBuilder::surface)), if edges of the
 //!    cloth are not to cut it where it is smaller than a triangle.
 //!
-//! Another [`BroadPhase`] works in [`ClothCandidates`]; for [`potential`] add it to [`BroadPhaseKind`] too. Another law
-//! takes the place of [`PenaltyLaw`](obstacle::PenaltyLaw), the only one: energy, slope, curvature ≥ 0, infinite at 0,
-//! and a spring from h/2 to h, where constraints take the tangent at no more than 0.75 h for that of all (`tangent`).
+//! Another [`BroadPhase`] works in [`ClothCandidates`]; for [`potential`] add it to [`BroadPhaseKind`] too. There is
+//! one law, [`PenaltyLaw`](obstacle::PenaltyLaw), and another one has to replace it: its energy, slope and curvature,
+//! with an energy that is infinite at 0 and a curvature that is nowhere negative, and constant from h/2 to h. The
+//! constraints rely on the last: beyond 0.75 h they take the tangent of the law there (`tangent`).
 //!
 //! # When not to use it
 //!
@@ -189,6 +191,7 @@
 //!
 //! | File | What it holds |
 //! |---|---|
+//! | `examples/` | the naive loops, each beside the real one |
 //! | `closest/`, `pair.rs` | nearest points of a point and a triangle, and of two edges; their distance with both derivatives, and whether they stay apart on their path |
 //! | `ccd.rs`, `ccd/query.rs` | the conservative continuous test, and what it is asked |
 //! | `ccd/difference.rs` | a vertex and a triangle, or two edges, as one moving polygon |

@@ -122,8 +122,8 @@ pub trait SignedDistance: Debug + Send + Sync {
         1.0
     }
 
-    /// Whether φ is a convex function, as it is if the shape is convex and φ its true distance. Searches along a path
-    /// are then much shorter.
+    /// Whether φ is a convex function with a Lipschitz constant of 1, as it is if the shape is convex and φ its true
+    /// distance. Searches along a path are then much shorter; with a larger constant their bound would not hold.
     fn is_convex(&self) -> bool {
         false
     }

@@ -5,58 +5,109 @@
 //!
 //! Cloth that touches something is pressed against it, and the pressure depends on how near it is: p = −ψ′(d), with an
 //! energy ψ (J/m²) that begins at the thickness h and whose stiffness κ (Pa/m) is a number of the scene, the same for
-//! every method, resolution and step. Each contact weighs in with the area A that it stands for, so
+//! every method, resolution and step. Each contact counts with the area A that it stands for, so
 //!
 //! E(x) = Σ A ψ(d(x)),
 //!
 //! over all pairs (vertex, triangle), (edge, edge) and (vertex, obstacle) that are nearer than h. A vertex stands for a
 //! third of the rest area of the triangles around it, before other cloth for half of that, since the vertices of both
 //! sides press; an edge for a third of the area beside it, and two edges for the smaller of theirs. ψ is quadratic down
-//! to h/2 and a barrier from there on ([`PenaltyLaw`]): under a weight ρ g the gap is h − ρ g/κ, and nothing gets to
-//! d = 0. Edges push below h/2, which is nothing as long as the vertices do what is needed, and leaves far
-//! fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three times as long.
+//! to h/2 and a barrier from there on ([`PenaltyLaw`]): under a weight ρ g the gap is h − ρ g/κ, and the distance never
+//! reaches 0. Edges push only below h/2: not at all where the vertices keep the cloth farther apart than that. This
+//! leaves far fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three
+//! times as long.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ. Without A ψ′ ∂²d, which [`PairContact`] has, even Newton's iteration converges no faster than linearly where
 //! contact points slide or the normal turns. Before it moves the cloth it asks how far the path is safe
 //! ([`ContinuousTest`](crate::ContinuousTest)). So what it accepts is free of crossings, and nothing is left to be
 //! repaired afterwards. A path keeps a fifth of each distance, or of h where that is less (a tenth in substeps of
-//! constraints), and no more than 10 h of it are looked at, apart from the motion that all vertices share: a part below
+//! constraints), and no more than 10 h of it are tested, apart from the motion that all vertices share: a part below
 //! 1 need not mean a contact.
 //!
-//! `begin` checks that nothing crosses at the start, unless that is where the last step has ended; bodies that the
-//! cloth pushes set out. Where pins or bodies move, or cloth begins inside a body, a substep of the constraints leads
-//! to where the iteration begins. Then pairs are chosen and friction is frozen; and without that substep the iteration
-//! begins where the method would begin by itself, as far as the path there is safe. The end of the step depends on that
-//! only where there are several minima. An iteration takes the gradient and the rows, solves, asks how far it may go,
-//! and moves. `end` keeps what friction is stretched by, and adds up work, forces and the energy that is stored. Bodies
-//! are where they are at the end of the step for a method that minimises, and on their way for the substeps of one that
-//! projects.
+//! The pairs are not an active set. E is one function, the sum over all pairs, to which those beyond their range add
+//! nothing; the list of pairs holds at least those within range anywhere on the path. So a new detection changes which
+//! terms are evaluated and not their sum, and a line search meets one continuously differentiable energy. The set of
+//! terms of friction is fixed for the step. A path that is cut as a whole (`limit`) is still one of descent, one that
+//! is cut vertex by vertex (`limit_each`) need not be. Its part is 0 only where a fifth of the distance is lost in the
+//! rounding of positions, or a vertex is inside a body. What a spent budget of iterations means stands with the method.
+//!
+//! Three functions are called in a step. `begin` checks that nothing crosses at the start, unless that is where the
+//! last step has ended, and moves the bodies that the cloth pushes. It chooses the pairs, freezes friction, and moves
+//! the start of the iteration as far towards the method's own start as the path is safe; where pins or bodies move, or
+//! cloth begins inside a body, a substep of the constraints finds the start instead. The minimum that the iteration
+//! finds depends on its start only if there are several. An iteration takes the gradient and the rows, solves, asks
+//! `limit` how far it may go, and moves. `end` stores the tangential displacement of sticking contacts, and adds up
+//! work, forces and the energy that is stored. A method that minimises sees bodies where the step ends, the substeps of
+//! one that projects see them on their path.
 //!
 //! Friction has the normal forces λ and the directions of the start of the step (`friction`): a cloth that lands has
-//! none in the step in which it does. Its energy is μ λ f(u) of the way u in the tangent plane since then, f = u²/(2ε)
-//! below ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous. (Li et al. take a cubic,
-//! whose f″ is continuous too.)
+//! none in the step in which it does. Its energy is μ λ f(u) of the displacement u in the tangent plane since then,
+//! f = u²/(2ε) below ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous. (Li et al.
+//! take a cubic, whose f″ is continuous too.)
+//!
+//! # From the naive loop to this one
+//!
+//! The naive loop visits all pairs of a vertex and a triangle, and of two edges, that share no vertex, and adds up
+//! [`PairContact`] (`examples/naive_pairs.rs`, which compares both sums). The crate adds up the same terms of fewer
+//! pairs:
+//!
+//! 1. Patches of triangles that are near each other are found by a broad phase, and stay known while no patch has gone
+//!    farther than that search allowed for (`patches`).
+//! 2. Pairs between two such patches are found once and sorted by d − h (of edges d − h/2). As long as the bound on the
+//!    relative motion of the patches is below the margin of that search, the list is complete, and those that lack more
+//!    than the bound are not evaluated.
+//! 3. Of the rest, a plane with a known normal decides for most that they are out of range (`near_pairs`, `row`).
+//! 4. What is left has its distance computed, and is a term of the sum.
+//!
+//! Each stage may keep a pair too many, and must not lose one. `tests/unit/potential_near_pairs.rs` compares the list
+//! with all pairs on random paths, `tests/all/candidates.rs` the broad phases with brute force.
+//!
+//! # What is kept, and what is not
+//!
+//! - *Momentum.* The weights of a pair add up to zero, so its forces do, of pressure and of friction, whether taken as
+//!   energy or as constraint; a prescribed vertex or a body takes its part.
+//! - *Angular momentum.* E does not change when everything turns, so the moments of pressure add up to zero too
+//!   (`forces_and_moments_add_up_to_nothing`). A constraint pushes along the normal n of the start of the substep,
+//!   which is off the line between its two points once these have slid. Friction f acts at two points a distance d
+//!   apart, a couple of size d ‖f‖ ≤ h μ λ.
+//! - *Energy.* Pressure gives back what it has stored, less what the integrator damps. Friction only takes, but for
+//!   what its springs hold below ε.
+//! - *In the last resort,* pushes keep momentum, impact zones both momenta; a vertex that stays where it was keeps
+//!   none.
 //!
 //! # For methods that project positions
 //!
 //! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ d̂ with
 //! d̂ = d − ψ′/ψ″, which is h down to h/2, the compliance 1/(A ψ″), a multiplier λ ≥ 0 (kg m; λ/Δt² is the force), and
-//! friction within μ λ that remembers where it began to stick. Rows for what can touch, by bounds on the relative
-//! motion of patches of the cloth, are found at the beginning of a substep. They come last in each sweep. At the end
-//! every pair is tested. What has come too near has up to three rounds of five sweeps without compliance; then its
-//! vertices go half as far, three times, and then stay, with more of them in each of six more rounds; and what is not
-//! safe even then, or has a path too long to be looked at, is given to the last resort (`last_resort`: pairs pushed
-//! apart one by one, impact zones, vertices that stay).
+//! friction within μ λ that remembers where it began to stick. Here λ is that of the sweep, not of the substep before.
+//! The constraints of what can touch, by bounds on the relative motion of patches of the cloth, are found at the
+//! beginning of a substep. They come last in each sweep. At the end every pair is tested. Pairs that have come too near
+//! get up to three rounds of five sweeps without compliance. After that their vertices go half as far, in up to three
+//! rounds, and stay where they were in up to six more. What is not safe even then, or has a path too long to be tested,
+//! is left to the last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices that stay).
 //!
 //! # Bodies
 //!
 //! A body that knows its signed distance keeps the vertices of the cloth out by it: their pressure is exact, whatever
-//! the triangles of both. What is between the vertices it does not see. So a body also has a surface of triangles
-//! ([`PotentialBuilder::surface`]), whose vertices stand behind those of the cloth as prescribed ones: pairs (edge,
-//! edge) and (vertex of the body, triangle of the cloth) are looked at as in the cloth itself, and push below h/2,
-//! which is nothing as long as the vertices of the cloth do what is needed. A body that changes its shape, open or
-//! closed, has its triangles alone ([`PotentialBuilder::animated`]).
+//! the triangles of both. It does not see what is between the vertices. So a body can also have a surface of triangles
+//! ([`PotentialBuilder::surface`]), whose vertices are appended to those of the cloth as prescribed ones: pairs (edge,
+//! edge) and (vertex of the body, triangle of the cloth) are treated as in the cloth itself, and push below h/2: not at
+//! all where the signed distance keeps the cloth farther away. A body that changes its shape, open or closed, has its
+//! triangles alone ([`PotentialBuilder::animated`]).
+//!
+//! | scene | what to build |
+//! |---|---|
+//! | floor, wall, smooth body whose radii are larger than the triangles of the cloth | [`obstacle`](PotentialBuilder::obstacle) alone |
+//! | corners and sharp edges, or a body smaller than a triangle | with its [`surface`](PotentialBuilder::surface) |
+//! | a rigid mesh of many triangles | a [`SampledDistance`](crate::obstacle::SampledDistance), error √3/2 of its spacing, with the surface |
+//! | a body that deforms, or an open one | [`animated`](PotentialBuilder::animated) |
+//! | a sheet that cannot reach itself | [`self_collision(false)`](PotentialBuilder::self_collision) |
+//! | pieces sewn together, or layers that may pass | [`sew`](PotentialBuilder::sew), [`exclude`](PotentialBuilder::exclude) |
+//!
+//! Whether a choice was too coarse is measured by what shares no code with contact:
+//! [`BodyProbe`](crate::BodyProbe) counts triangles of the cloth in a body, [`SeparationProbe`](crate::SeparationProbe)
+//! those in the cloth; and by what a step reports ([`ConstraintReport`]).
 //!
 //! Pairs of bodies, and pairs without a free vertex, are left out: a body that nothing pushes may pass through itself
 //! and others, and prescribed cloth may be inside of one. Cloth that two bodies leave no room for is an error,
@@ -65,11 +116,11 @@
 //! # Bodies that the cloth pushes
 //!
 //! A body with a mass and an inertia ([`PotentialBuilder::free`]) moves on in each (sub)step as its momentum says, and
-//! takes up the impulses of contact at the end: momentum is kept, but for what the last resort does to the cloth, which
-//! is no impulse on it. Prescribed vertices and other bodies do not give way, so they stop it before the step,
+//! takes up the impulses of contact at the end: momentum is kept, except where the last resort moves the cloth without
+//! an impulse on the body. Prescribed vertices and other bodies do not give way, so they stop it before the step,
 //! inelastically (`stops`): at h/2 from prescribed cloth, at h from bodies. Where cloth between it and something else
-//! has no free way even so, the body halts for the step, and loses its momentum. Steps have to resolve the frequency of
-//! the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
+//! has no safe path even so, the body halts for the step, and loses its momentum. Steps have to resolve the frequency
+//! of the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
 //!
 //! # Add it to a method
 //!
@@ -80,7 +131,7 @@
 //! `cloth-bench/examples/own-method` is an example. After an error the positions are of no use: the caller keeps the
 //! state that it had.
 //!
-//! # Who feels it how
+//! # How each method takes it
 //!
 //! | method | contact is |
 //! |---|---|
@@ -91,7 +142,7 @@
 //! | XPBD, PBD | constraints in every substep, last in each sweep |
 //! | XPBD solved directly | constraints after the solve of every substep |
 //! | symplectic and forward Euler | constraints at the end of every substep |
-//! | limits of strain after a step | the method before them feels it; what they change is kept from going through anything |
+//! | limits of strain after a step | no part of them; the displacement that they add is kept free of crossings |
 //! | Newton's method with a linear solver | not at all: a step with contact is refused, and the quasi-Newton method named |
 //!
 //! # Equation → code
@@ -116,21 +167,22 @@
 //!
 //! Bounds on the motion cost time in proportion to the vertices in each substep or path, and to the vertices times the
 //! bodies. The distance of a body is asked for only where its bound does not tell; pairs of patches are searched when
-//! one has gone a mean edge or more, and the primitives of two patches, at most 32 triangles each, when the room of
-//! their last search is used up. Gradient, rows and sweeps are in proportion to the pairs nearer than h or nearly so,
-//! and so is a safe path: one continuous test each, of at most [`MOST_STEPS`](crate::ContinuousTest::MOST_STEPS) steps,
-//! where a bound does not tell. A round of the last resort searches the whole cloth. `cloth-bench/doc/results.md` has
-//! the time of a step of each method, without contact and with.
+//! one has gone a mean edge or more, and the primitives of two patches, at most 32 triangles each, when the motion
+//! bound of their last search is used up. Gradient, rows and sweeps are in proportion to the pairs nearer than h or
+//! nearly so, and so is a safe path: one continuous test each, of at most
+//! [`MOST_STEPS`](crate::ContinuousTest::MOST_STEPS) steps, where a bound does not tell. A round of the last resort
+//! searches the whole cloth. `cloth-bench/doc/results.md` has the time of a step of each method, without contact and
+//! with.
 //!
 //! # Limits
 //!
 //! - A sheet that falls on a ball of its own size buckles on impact in many ways at once, and the minimum of such a
-//!   step takes five to ten times the iterations of one without contact. Half of the time goes into looking for pairs.
+//!   step takes five to ten times the iterations of one without contact.
 //! - A vertex above an edge of an animated surface is pressed by both triangles there, and is nearer to the thickness
 //!   for it.
 //! - A body that the cloth pushes is moved before the cloth, and pushed after it. For methods that minimise, a step in
-//!   which that push would have changed its way by more than the thickness is too long: cloth a cell away from held
-//!   vertices is pressed flat, and throws the body off. [`PotentialContacts::largest_push`] tells, and
+//!   which that push would have changed its displacement by more than the thickness is too long: cloth a cell away from
+//!   held vertices is pressed flat, and throws the body off. [`PotentialContacts::largest_push`] tells, and
 //!   [`PotentialContacts::take_back`] lets a caller take the step again as shorter ones, as the runs of `cloth-bench`
 //!   do. XPBD's substeps are short enough.
 //! - There is no restitution for methods that minimise: what bounces is elastic.
@@ -138,8 +190,25 @@
 //!   solves grows with that over m/Δt² of a vertex, so cloth that is pressed to d ≪ h, or a large κ, costs iterations.
 //! - What is near a vertex without being below it counts too: as the thickness h comes near the length of edges, two
 //!   sheets press harder than κ says. On a grid by less than 1 % where h is a thousandth of a cell, 1.3 times at a
-//!   tenth, 1.9 times at three tenths, 4.6 times where h is as large as a cell (a test has these numbers). Forces are
-//!   in balance all the same; only the gap is nearer to h than h − p/κ.
+//!   tenth, 1.9 times at three tenths, 4.6 times where h is as large as a cell
+//!   (`cloth_presses_cloth_as_it_presses_a_body`, of the tests). Forces are in balance all the same; only the gap is
+//!   nearer to h than h − p/κ.
+//!
+//! # Names in the code
+//!
+//! | in the code | in papers |
+//! |---|---|
+//! | row | contact constraint, and the rank-one term of a Hessian |
+//! | look, visit | query, narrow phase |
+//! | room, budget, reach | motion bound: how far something may move until a list is not complete any more |
+//! | lack | d − h (of edges d − h/2), the distance that is missing to contact |
+//! | sleeping, awake, quiet | culled, active, all culled |
+//! | parted | separated by a plane |
+//! | ease | Σ wᵢ²/mᵢ, inverse effective mass |
+//! | stretch, sticking | tangential displacement of a contact that sticks |
+//! | lead | predictor of the iteration, by a substep of constraints |
+//! | let go | excluded pairs |
+//! | held | vertices left where the step began |
 //!
 //! # References
 //!

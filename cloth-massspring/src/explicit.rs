@@ -8,8 +8,8 @@
 //! x[1] = x[0] + Δt v[0]          forward (explicit) Euler
 //! ```
 //!
-//! One index apart, and worlds: forward Euler lets every oscillation grow by `√(1 + z²)` a step (`z = Δt ω`),
-//! symplectic Euler keeps it for ever as long as `z < 2`.
+//! Only the index of one velocity differs. Forward Euler lets every oscillation grow by `√(1 + z²)` a step
+//! (`z = Δt ω`), symplectic Euler keeps it bounded for ever as long as `z < 2`.
 
 mod builder;
 mod monitor;
@@ -34,7 +34,7 @@ enum Scheme {
     Symplectic,
 }
 
-/// Forward Euler. It is here to be looked at.
+/// Forward Euler, `x[1] = x[0] + Δt v[0]`: for comparison, not for use.
 ///
 /// No step is small enough for it: a mode of frequency ω grows by `√(1 + (Δt ω)²)` a step, about `½ Δt ω²` per
 /// second. Steps beyond the limit of [`SymplecticEuler`] are refused, below it the run goes on until it
@@ -210,8 +210,8 @@ impl Explicit {
 
     /// Sets the elements to the start of a substep, where its forces are taken, and returns the work (J) that the
     /// change of their rest data does on the cloth: half of that over this substep and half of that over the one
-    /// before, both at the positions between the two. All of either, with the positions at one of its ends, is too much
-    /// or too little in every substep where the cloth follows.
+    /// before, both at the positions between the two. The whole of either, at positions of one of its ends, would be
+    /// off to the same side in every substep.
     fn set_time(&mut self, [start, end]: [Real; 2]) -> Real {
         let (energies, x) = (&mut self.model.energies, &self.positions);
         let before = energies.timed_value(x);
@@ -221,7 +221,7 @@ impl Explicit {
         0.5 * (after - before)
     }
 
-    /// One substep, and what the monitor says to it; elements that change with time have done `work` (J) before it.
+    /// One substep, checked by the monitor; elements that change with time have done `work` (J) before it.
     fn substep(&mut self, input: &mut StepInput<'_>, work: Real) -> Result<EnergyBalance, Failure> {
         let feels_contact = input.contact_constraints().is_some();
         if feels_contact {

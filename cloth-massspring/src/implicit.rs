@@ -19,6 +19,14 @@
 //! the function in `stage` and `damper`, the loops in `minimizer` (default) and `newton`, the matrix in `system`, the
 //! step length in `line_search` and, where there is contact, the core's
 //! [`TrustRadius`](cloth_core::method::trust::TrustRadius).
+//!
+//! One step is `Implicit::advance`: it sets x_b, x̂ and the start of the iteration (`predict`), minimises
+//! (`Minimizer`), checks that the result is finite, and only then writes the state. So another integrator of one stage
+//! is a row of the table: a `Stepper` that calls `advance` with its τ and a closure for x_b and v_b
+//! ([`ImplicitMidpoint`] in ten lines; [`Bdf2`] with what it keeps of earlier steps). Its tests: the amplitude and
+//! angle of one oscillation (`tests/chapter/second_order.rs`, `damping.rs`), and a line in `all`
+//! (`tests/chapter/main.rs`) and in `solvers` (`order.rs`), which take it through momenta, free fall, pins, refusals
+//! and the order of accuracy.
 
 mod at_end;
 mod bdf2;
@@ -63,28 +71,30 @@ use stage::Stage;
 /// [`Solve::QuasiNewton`] and [`Solve::Linearized`]: the iteration ends with a shift to where the momentum takes the
 /// cloth. In Newton's method it is kept as exactly as the linear systems are solved. Angular momentum is not kept.
 ///
-/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`. Where it can
-/// touch something, contact is not linearised, since it would not know of what the cloth only comes to in the step:
-/// what the linearised cloth and contact make together is minimised to the tolerance. A sheet that is stopped has to
-/// buckle, which one linearisation does not know of; it is linearised again where that minimum is, as long as `G`
-/// itself has not gone down by three quarters of what was promised (twice a step on impact, once a step elsewhere).
+/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and its name is `linear-implicit`. With contact only
+/// the cloth is linearised: at the start of the step it does not touch yet what it meets in the step, so a linearised
+/// contact would miss that. The quadratic function of the cloth and the contact potential are minimised together, to
+/// the tolerance. A sheet that is stopped buckles, which the quadratic function does not contain: if `G` itself has
+/// gone down by less than three quarters of what the quadratic function has, the cloth is linearised again at the
+/// minimum, eight times at most.
 ///
 /// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that
 /// velocity too, and with the stiffness at `x[0] + Δt v[0]`. The amplitude of an oscillation is then multiplied by
 /// `1/√(1 + 2 Δt γ + (Δt ω)²)` in a step, `2γ = α + β ω²` as at [`Damping`](crate::Damping).
 ///
 /// The residual in the report is what [`ImplicitConfig::tolerance`] bounds: the Newton decrement relative to the change
-/// of velocity that the forces have made. A step may end earlier by its upper bound `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the
-/// norm of M⁻¹. A step has converged when it is below the tolerance, or when the gradient is as small
-/// as rounding lets it be: positions are stored to half a unit in the last place of their coordinates, `½ ε |x|`, and a
-/// spring answers that with a force of `½ ε |x| k`. For a sheet of 1 m with springs of 10⁴ N/m and Δt = 1/60 s this
-/// floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free fall there are no forces, and the floor decides alone.
+/// of velocity that all forces but gravity and load have made. A step may end earlier by its upper bound
+/// `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹. A step has converged when it is below the tolerance, or when the
+/// gradient is as small as rounding lets it be: positions are stored to half a unit in the last place of their
+/// coordinates, `½ ε |x|`, and a spring answers that with a force of `½ ε |x| k`. For a sheet of 1 m with springs of
+/// 10⁴ N/m and Δt = 1/60 s
+/// this floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free fall there are no forces, and the floor decides alone.
 ///
 /// Prescribed vertices are those of the particles the solver was built for. They end at `x[0] + Δt v[0]`, and their
 /// rows and columns leave the system: gradient and inverse mass are zero there. The levels of multigrid are laid out in
 /// the first step, by the rest positions of the particles if these are known
 /// ([`Particles::rest_positions`](cloth_core::particles::Particles::rest_positions)), else by the positions it starts
-/// from; the room that Newton's method needs is taken when it is first called.
+/// from; the memory that Newton's method needs is taken when it is first called.
 ///
 /// # Errors of a step
 /// [`StepError::LineSearchStalled`] where no lower point is found though the gradient is more than a hundred times what
@@ -100,15 +110,16 @@ pub struct ImplicitEuler(Implicit);
 /// `2 atan(Δt ω/2)`: the energy of linear springs is kept to rounding, linear momentum as in [`ImplicitEuler`], angular
 /// momentum to the tolerance.
 ///
-/// The other side of it: nothing dies out, and that holds for modes the step does not resolve. With `Δt ω ≫ 2` they
-/// turn by almost half a circle and appear as a vertex-to-vertex ringing that goes on for ever. Nor is the energy of
+/// The price: nothing dies out, and that holds for modes that the step does not resolve, too. With `Δt ω ≫ 2` they turn
+/// by almost half a circle a step and appear as a vertex-to-vertex ringing that goes on for ever. Nor is the energy of
 /// *nonlinear* springs kept: where they are stiff and the step is long, it grows without bound, though every stage has
 /// its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m gains more than 10³ J within 300 steps of 1/60 s (a
 /// test says so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or so; for cloth at large steps
 /// take [`Bdf2`].
 ///
-/// Half a step of implicit Euler, and what happened in it once more. Damping: drag and stiffness act with the velocity
-/// in the middle, both with second order. Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.
+/// It is half a step of implicit Euler, whose change of x and v is then added once more. Damping: drag and stiffness
+/// act with the velocity in the middle, both with second order. Prescribed vertices pass the middle at
+/// `x[0] + ½ Δt v[0]`.
 ///
 /// Contact acts at the end of the step, and takes up motion as in implicit Euler: what it stops does not bounce.
 ///
@@ -188,7 +199,7 @@ enum Place {
     Middle,
 }
 
-/// Part of the last change of velocity that the start guess expects once more: all of it overshoots where wrinkles
+/// Fraction of the last change of velocity that the start guess expects once more: all of it overshoots where wrinkles
 /// oscillate.
 const EXTRAPOLATED: Real = 0.5;
 

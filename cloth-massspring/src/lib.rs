@@ -28,9 +28,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Meshes, materials and measures are in [`cloth_core`], re-exported here. Springs of equal k on this mesh are a sheet
-//! of the modulus `Y = 4k/3` and Poisson's ratio 1/3; [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes
-//! Y.
+//! Meshes, materials and measures are in [`cloth_core`], re-exported here. A fabric is three numbers: the areal density
+//! ρ (kg/m², a weighed piece over its area), the modulus Y (N/m, from a tensile test: force per width over strain) and
+//! the bending rigidity D (N·m, moment per width over curvature). Springs of equal k on this mesh are a sheet of
+//! `Y = 4k/3` and Poisson's ratio 1/3, whatever the edge length: refining the mesh keeps k.
+//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes Y. Springs have no other Poisson's ratio: for that
+//! [`Discretization`](cloth_core::cloth::Discretization) takes triangles. `cloth-bench study independence` shows what
+//! mesh and step change.
 //!
 //! # The idea
 //!
@@ -44,9 +48,9 @@
 //! x[1] = x[0] + Δt v[1]        symplectic Euler;  with v[0] here: forward Euler
 //! ```
 //!
-//! But a force that is right at the start can carry a vertex beyond the far side of its spring before it is asked
-//! again. The next force is then larger, and so on: *overshoot*. A step must be shorter than `2/ω`, with ω the fastest
-//! oscillation of the cloth, and ω grows with stiffness and with fineness.
+//! But a force that is right at the start can carry a vertex past the equilibrium of its spring, and farther from it
+//! than before, until it is evaluated again. The next force is then larger, and so on: *overshoot*. A step must be
+//! shorter than `2/ω`, with ω the fastest oscillation of the cloth, and ω grows with stiffness and with fineness.
 //!
 //! At the *end* of the step, the forces are those at positions not yet known:
 //!
@@ -60,12 +64,12 @@
 //! G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x),    ‖y‖²_M = Σ mᵢ ‖yᵢ‖²
 //! ```
 //!
-//! and minimising has a measure of progress that solving equations lacks: G falls in every iteration whatever Δt, since
-//! a line search shortens the steps where need be.
+//! (`∇G = M(x − x̃)/Δt² − f(x)`: set it to zero and multiply by Δt² M⁻¹), and minimising has a measure of progress that
+//! solving equations lacks: G falls in every iteration whatever Δt, since a line search shortens steps where needed.
 //!
-//! The same minimisation, with another goal and another time in place of `x̃` and Δt, gives two integrators of
-//! *second* order: the implicit midpoint rule (half a step of implicit Euler, and what happened in it once more) and
-//! BDF2 (the velocity from a parabola through three points in time).
+//! The same minimisation, with another goal and another time in place of `x̃` and Δt, gives two integrators of *second*
+//! order: the implicit midpoint rule (half a step of implicit Euler, whose change is then added once more) and BDF2
+//! (the derivatives at the end from a parabola through three points in time).
 //!
 //! ```text
 //!                     base x_b, v_b                          τ        then
@@ -76,10 +80,14 @@
 //! x minimises ‖x − x̂‖²_M/(2s²) + E(x),   x̂ = x_b + τ v_b/(1 + ατ) + s² g,   s² = τ²/(1 + ατ),   v = (x − x_b)/τ
 //! ```
 //!
-//! Here α is the drag of the air, which costs nothing. Damping that grows with the stiffness adds a third term,
-//! `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ`. And the minimisation can be cut short: one Newton step from
-//! `x[0]` without a line search is the implicit step of Baraff and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With
-//! `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`.
+//! Gravity and load are constant in a step and stand in x̂, so E is elastic only. Forces without a potential get one
+//! for the duration of a step. Drag α is linear in `v = (x − x_b)/τ` and changes x̂ and s, nothing else; it is exact.
+//! Damping that grows with the stiffness adds a third term, `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ` held
+//! at the inertial prediction (`implicit/damper.rs`); friction takes its normal force from the start of the step.
+//!
+//! The minimisation can be cut short: one Newton step from `x[0]` without a line search is the implicit step of Baraff
+//! and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their
+//! `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`.
 //!
 //! **The Hessian of a spring** decides how hard that is. With its unit vector n and its length l,
 //!
@@ -89,7 +97,27 @@
 //!
 //! and the same negative between the ends. Along the spring it is k. Across, it is tension over length: negative under
 //! compression, where the straight spring is a maximum sideways and buckling goes down. `M/Δt² + H` may then be
-//! indefinite (one spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up.
+//! indefinite (one spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up. The
+//! cures ([`Convexity`](cloth_core::element::Convexity), element by element; [`HessianPolicy`]) change the matrix and
+//! never the gradient: a converged step is a stationary point of the same G by any of them, and they decide the number
+//! of iterations, and which of several minima is found. In a linearised step nothing follows that would make up for a
+//! changed matrix: there the cure changes the answer.
+//!
+//! Formulas of the other elements stand in [`cloth_core::energy`], a file each. Their Hessians differ in this respect:
+//!
+//! | element | the Hessian is indefinite |
+//! |---|---|
+//! | [`StvkTriangle`](cloth_core::energy::StvkTriangle), `½ A G:C:G` | under compression; see below |
+//! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge), `½ K ‖q x‖²` | never, it is constant |
+//! | [`DihedralHinge`](cloth_core::energy::DihedralHinge), `½ K (θ − θ₀)²` | where `θ ≠ θ₀`, by `K (θ − θ₀) ∂²θ` |
+//!
+//! A membrane of triangles has `F = [x₁ − x₀, x₂ − x₀] B` (3 × 2, dimensionless) with `B = [X₁ − X₀, X₂ − X₀]⁻¹` of the
+//! rest shape in its plane (1/m), `G = ½ (FᵀF − I)`, `S = C:G` (N/m, thickness included) and, with the rest area A, the
+//! forces `[f₁, f₂] = −A F S Bᵀ`, `f₀ = −f₁ − f₂` (N).
+//!
+//! Stretched by λ in one direction, with ν = 0, a StVK triangle has the energy `(λ² − 1)²/8` per area and modulus: its
+//! curvature `(3λ² − 1)/2` is negative below `λ = 1/√3`, and its force `λ (λ² − 1)/2` fades from there to zero when it
+//! is pressed flat. There it holds a finite energy, so it can be turned inside out, as springs can.
 //!
 //! # From equation to function
 //!
@@ -99,6 +127,8 @@
 //! | `x[1] = x[0] + Δt v[1]` or `v[0]` | explicit steps | [`SymplecticEuler`], [`ExplicitEuler`] |
 //! | `Δt < 2/ω_max` | stability | [`stable_time_step`] |
 //! | `min G(x)` | implicit Euler, a minimisation | [`ImplicitEuler`], [`IncrementalPotential`] |
+//! | `x_b`, `x̂`, s, start | what the step aims at | `Implicit::predict` and `advance` in `implicit.rs` |
+//! | `G`, `∇G`, `M/s² + H`, `(M/s² + H) p` | with damping and contact | `Stage` in `implicit/stage.rs` |
 //! | `p = −B⁻¹∇G`, B from pairs `d`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
 //! | `A p = −∇G`, nearly | truncated Newton, in hard contact | [`Solve::QuasiNewton`] |
 //! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
@@ -112,33 +142,37 @@
 //! [`IncrementalPotential`]: cloth_core::measure::IncrementalPotential
 //!
 //! `examples/first_program.rs` is implicit Euler as plain loops over arrays, by Newton's method with a dense matrix,
-//! and compares itself with [`ImplicitEuler`]. The formula of a spring stands in [`cloth_core::energy::Spring`]; the
-//! loops over families that sum energies, gradients and matrices only apply it to many elements at once.
+//! and compares itself with [`ImplicitEuler`] (10⁻⁹ m apart at most, a test). Its `objective`, `derivatives`, `solve`
+//! and `step` are here `Stage::gradient_into`, `Stage::hessian_into`, `NewtonSystem` and `newton::iterate` with
+//! `line_search::search`; the clamped tension in `derivatives` is `Convexity::Clamp`. The loops over families that sum
+//! energies, gradients and matrices only apply the formula of [`cloth_core::energy::Spring`] to many elements at once.
 //!
 //! # The minimisation
 //!
-//! Newton's method takes some ten iterations a step, each (with the feature `cholesky`) a factorisation of 3V unknowns:
-//! most of its time, and more than proportional to V. The default factorises nothing. Its direction is `−B⁻¹∇G` with B
-//! from one V-cycle of [multigrid](cloth_core::method::multigrid), `B₀⁻¹`, on a positive definite Hessian and from the
-//! last five pairs `d = Δx`, `y = Δ∇G` (L-BFGS): five to ten times as many iterations as Newton's method, each thirty
-//! to sixty times cheaper. On the hanging sheet it takes 22, 30 and 35 at 32, 64 and 128 vertices a side
+//! Newton's method needs few iterations, each (with the feature `cholesky`) a factorisation of 3V unknowns: most of its
+//! time, and more than proportional to V (`cloth-bench study newton`). The default factorises nothing. Its direction is
+//! `−B⁻¹∇G` with B from one V-cycle of [multigrid](cloth_core::method::multigrid), `B₀⁻¹`, on a positive definite
+//! Hessian and from the last five pairs `d = Δx`, `y = Δ∇G` (L-BFGS): more iterations than Newton's method takes, each
+//! much cheaper. On the hanging sheet it takes 22, 30 and 35 at 32, 64 and 128 vertices a side
 //! (`cloth-bench/doc/results.md`). One step:
 //!
-//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact begins: it takes the start back where the
-//!    way there is not free.
-//! 2. Pieces of cloth that nothing holds or touches are shifted to where their momentum takes them. If nothing is held
-//!    at all and they touch only each other, they are shifted together.
+//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins; it truncates the
+//!    displacement to the start where something is in between.
+//! 2. Connected components that nothing holds or touches are shifted to where their momentum takes them. If nothing is
+//!    held at all and they touch only each other, they are shifted together.
 //! 3. Repeat:
 //!    1. Done if `‖∇G‖ ≤ tolerance · ‖M(x − x̂)/s²‖`, both in the norm of M⁻¹, or if rounding allows no more.
 //!    2. In iterations 1 to 4, 12, 20, 28, … take the Hessian anew.
 //!    3. `p = −B⁻¹∇G`. If `∇G·p ≥ 0`, drop the pairs, take the Hessian anew and repeat.
 //!    4. Done if the Newton decrement `√(−∇G·p) ≤ tolerance · ‖x − x̂‖_M/s`.
-//!    5. The longest step: t = 1; in contact no vertex farther than the trust radius (after a step that G has
-//!       shortened, twice what was left of it; four times as large after a step that was as long as it allowed), and
-//!       only the part that is free of crossings.
+//!    5. The longest step: t = 1; in contact the fraction within the trust radius, a bound on the displacement of any
+//!       vertex, and of that the fraction free of crossings (CCD). Where the line search has shortened a step the
+//!       radius becomes twice the displacement that was left, and four times as large after a full step to its end.
 //!    6. `x ← x + t p` with the first t that `G(x + t p) ≤ G(x) + 10⁻⁴ t ∇G·p` (Armijo) accepts, each the minimum of a
-//!       parabola, between a tenth and a half of the one before. Where G cannot tell (a rise below `10⁻¹⁰ |G|`) the
-//!       slope decides: `∇G(x + t p)·p ≤ 0.8 |∇G(x)·p|`.
+//!       parabola, between a tenth and a half of the one before, 50 at most. Where rounding hides the change of G (a
+//!       rise below `10⁻¹⁰ |G|`) the slope decides: `∇G(x + t p)·p ≤ 0.8 |∇G(x)·p|`. If none is accepted, a gradient of
+//!       at most 100 times the rounding error is the end; else the pairs are dropped and the Hessian is taken anew,
+//!       then Newton's method takes over (not in contact), and where that fails too the step is refused.
 //!    7. From iteration 4 on, keep the pair `d = t p`, `y = Δ∇G` if `d·y > 0`, which Armijo's condition does not
 //!       ensure.
 //! 4. The shift of 2 again: so linear momentum is kept to rounding at any tolerance.
@@ -161,19 +195,20 @@
 //! - *Absolute and lumped.* With absolute values in the place of negative eigenvalues, the k (1 − L/l) of compressed
 //!   springs ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)), the matrix is positive definite, so every
 //!   direction leads down; setting them to zero ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)) would do,
-//!   too, but lets thin cloth move too far: at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone
+//!   too, but lets thin cloth move too far in an iteration. Alone
 //!   such a matrix would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled
 //!   yet: it is stiff in just the direction that is soft. The pairs bring that curvature back where it is positive;
-//!   pairs of negative curvature are refused. Dihedral hinges give their Gauss–Newton matrix, which needs no
+//!   pairs of negative curvature are not kept. Dihedral hinges give their Gauss–Newton matrix, which needs no
 //!   eigenvalues, and the blocks that couple the two vertices opposite an edge are moved to the diagonal
 //!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the pattern of the
 //!   edges.
-//! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that
-//!   the cloth is taut. In the first four iterations it takes the force that the spring linearised at the iterate
-//!   before, x′, has predicted, `k n nᵀ + k |C̃|/L (I − n nᵀ)` with `C̃ = C(x′) + ∂C(x′)·(x − x′)`; in the first
-//!   `C̃ = C(x[0])` ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
+//! - *Predicted forces.* A step along the tangent stretches a stiff spring that turns, and the Hessian at its end has a
+//!   tension across the spring that the minimum will not have. So the Hessians of the first four iterations take the
+//!   tension that the spring linearised at the iterate before, x′, has predicted:
+//!   `k n nᵀ + k |C̃|/L (I − n nᵀ)` with `C̃ = C(x′) + ∂C(x′)·(x − x′)`; in the first `C̃ = C(x[0])`
+//!   ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
 //! - *An extrapolated start.* Half of what the last step changed in the velocities is expected once more
-//!   ([`StartGuess::Extrapolated`]): a tenth fewer evaluations at 64 vertices a side.
+//!   ([`StartGuess::Extrapolated`]): fewer evaluations (at 64 vertices a side at least 3 %, a test).
 //! - *A fallback.* Where more than 1000 further iterations would be needed at the rate of the last 200, the line search
 //!   finds nothing lower, or a tolerance below 10⁻⁵ or the proof of a minimum ([`Accept::Minimum`]) is asked for,
 //!   Newton's method goes on from there; [`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts
@@ -185,7 +220,28 @@
 //! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to
 //! `(target − state.positions[i])/Δt`, or let [`Pins`](cloth_core::pin::Pins) do it. A solver copies the masses when it
 //! is built: to grab or release another vertex, build a new one and go on with the state. [`Bdf2`] then starts again
-//! with one step of implicit Euler.
+//! with one step of implicit Euler. Pins leave the unknowns; their gradient is zero, so they count in no norm.
+//!
+//! The force with which the cloth pulls at a pin is `−∂E/∂x` there. Of a step of implicit Euler or BDF2 it is that of
+//! the end (without damping and contact); explicit steps add up `pin_work` (J) in their report. A mass on a spring, at
+//! rest after one very long step, pulls with its weight:
+//!
+//! ```
+//! use cloth_massspring::cloth_core::method::family::Energies;
+//! use cloth_massspring::{ImplicitConfig, ImplicitEuler, Particles, Spring, State, StepInput, Stepper, Vec3};
+//!
+//! let spring = Spring { vertices: [0, 1], rest_length: 1.0, stiffness: 500.0 };
+//! let mut particles = Particles::new(vec![1.0, 2.0])?;             // kg
+//! particles.prescribe(0)?;
+//! let config = ImplicitConfig { tolerance: 0.0, ..ImplicitConfig::default() };
+//! let mut solver = ImplicitEuler::builder(&particles).energy(vec![spring]).config(config).build()?;
+//! let mut state = State::at_rest(vec![Vec3::zeros(), -Vec3::z()]);
+//! solver.step(&mut state, StepInput::new(1e6).gravity(Vec3::new(0.0, 0.0, -9.81)))?;
+//! let mut gradient = vec![Vec3::zeros(); 2];
+//! Energies::new(2).with(vec![spring])?.add_gradient(&state.positions, &mut gradient);
+//! assert!((-gradient[0].z / (-2.0 * 9.81) - 1.0).abs() < 1e-6);    // N
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Contact
 //!
@@ -196,27 +252,32 @@
 //! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted
 //! that has gone through anything. So a step of any size ends with contact forces, elastic forces and inertia in
 //! balance. The pressure is `κ_c (h − d)` at the distance d (a barrier below h/2), with the thickness h and the
-//! stiffness κ_c (Pa/m) of contact; friction has the energy `μ λ f(u)` of the way u along the surface, with the normal
-//! force λ at the start of the step, `f = u²/(2ε)` up to ε = h/100 and `u − ε/2` beyond, where its force is μ λ. So a
-//! sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and slides down a slope with the acceleration a by
-//! `a Δt² n(n + 1)/2` in n steps, to six digits. The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this (with
-//! [`Bdf2`] what is stopped leaves with at most half of its speed). Contacts between vertices far from each other in
-//! the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
-//! What couples all vertices of a piece, the volume of a closed one
-//! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank one around the whole cycle
-//! (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges as one of air does. Where
-//! five steps of a minimisation have been cut to less than a quarter by what is near, a direction of L-BFGS leads
-//! nowhere any more: what one cycle leaves of the residual is enough to run into the next contact. From there on the
-//! directions are those of a *truncated Newton method*: conjugate gradients around the cycle, to a tenth of the
-//! residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41 vertices on a cube that
-//! turns takes 1,143 iterations in 20 steps, and 25,077 by L-BFGS alone. One step length for all vertices lets a single
-//! pair that is nearly closed hold the whole cloth; where less than a hundredth of a direction is free, each vertex
-//! follows it as far as it can go alone, if that leads down. Newton's method does not take over from a step with
-//! contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
+//! stiffness κ_c (Pa/m) of contact; friction has the energy `μ λ f(u)` of the displacement u along the surface, with
+//! the normal force λ at the start of the step, `f = u²/(2ε)` up to ε = h/100 and `u − ε/2` beyond, where its force is
+//! μ λ. So a sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and slides down a slope with the acceleration a by
+//! `a Δt² n(n + 1)/2` in n steps (tests `sheet_rests_where_its_weight_says` and `sheet_on_a_slope_slides_or_sticks` of
+//! `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this:
+//!
+//! - *When contact is computed.* λ: once a step. Which vertices, edges and triangles are near: along every direction,
+//!   with the step bound. Value and gradient: in every evaluation of G. Second derivative: whenever the Hessian is
+//!   taken. That of a vertex against a body goes into its diagonal block; a contact between several vertices is an
+//!   addition of rank one to the matrix of the multigrid cycle, and comes and goes without a new pattern.
+//! - *Enclosed volume.* What couples all vertices of a component
+//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is an addition of rank one around the whole cycle
+//!   (Sherman–Morrison, `implicit/global_terms.rs`).
+//! - *Truncated Newton.* Where five steps of a minimisation have been cut to less than a quarter of their directions,
+//!   the error that one cycle leaves is enough to run into the next contact. From there on directions come from
+//!   conjugate gradients around the cycle, to a tenth of the residual, on a Hessian taken anew
+//!   (`implicit/truncated_newton.rs`).
+//! - *Vertex by vertex.* One step length for all lets a single nearly closed pair stop the whole cloth. Where less than
+//!   a hundredth of a direction is free, each vertex follows it as far as it alone can, if that leads down.
+//!
+//! Newton's method does not take over from a step with contact; one that has not converged within
+//! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
 //! A linearised step linearises the cloth alone, and again where it is stopped and has to buckle
-//! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). [`Solve::Newton`] has no
-//! place for contact, and refuses it.
+//! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). The matrix of
+//! [`Solve::Newton`] has the pattern of the elements and no place for pairs that come and go: it refuses contact.
 //!
 //! In explicit methods contact acts at the end of every substep, as constraints with the compliance of the potential
 //! ([`ContactConstraints`](cloth_core::contact::ContactConstraints)): as stiff as it may be, it does not shorten the
@@ -239,7 +300,7 @@
 //! Here A = M/Δt² + H, D its diagonal blocks. κ grows with stiffness, with Δt² and with resolution: 4·10⁴, 2·10⁵ and
 //! 10⁶ for the hanging sheet of 10⁴ N/m with 32, 64 and 128 vertices a side at Δt = 1/60 s, where conjugate gradients
 //! take 295, 589 and 1385 iterations to a residual of 10⁻³ and the factorisation is faster at every size up to 256 a
-//! side. (`cloth-bench study newton` measures all of it.) Where κ is smaller the choice turns round: a linearised step
+//! side. (`cloth-bench study newton` measures all of it.) Where κ is smaller the order is reversed: a linearised step
 //! of 128 × 128 vertices by conjugate gradients (to 10⁻³) against Cholesky takes 266 ms against 165 ms at 10⁴ N/m and
 //! 1/60 s, but 106 against 176 at 10² N/m, and 14 against 168 at 10⁴ N/m and 1 ms. The linearised step takes multigrid
 //! to 10⁻⁸, where it follows that by Cholesky to a micrometre in 20 steps (10⁻³: 6 mm), and shifts components that
@@ -252,7 +313,8 @@
 //! | 256 | 1941 | 218 | 332 | 620 |
 //!
 //! Only the factorisation *proves* that the matrix is positive definite; conjugate gradients notice negative curvature
-//! that they meet, the others diverge on it, and all of them then get less of the indefinite part.
+//! that they meet, the others diverge on it. In each case the matrix then gets a smaller part of the exact Hessian
+//! (`implicit/system.rs`).
 //!
 //! # What a step does to one oscillation
 //!
@@ -267,7 +329,8 @@
 //! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always |
 //!
 //! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the
-//! mass, of a chain of 1 m) goes with Δt as
+//! mass, of a chain of 1 m) goes with Δt as follows (`cargo test --release -p cloth-massspring --features cholesky
+//! --test chapter swinging_chain -- --nocapture`). This is the error in time, of one mesh.
 //!
 //! | method | error at Δt = 2 ms | 1 ms | 0.5 ms | order |
 //! |---|---|---|---|---|
@@ -279,6 +342,8 @@
 //! | BDF2 | 36 µm | 9.1 µm | 2.3 µm | 2.00 |
 //!
 //! # Errors and bad input
+//! - **Meshes, materials, masses** are checked by `cloth-core` when they are made. Of elements made by hand only the
+//!   vertices are; a stiffness that is no number shows as [`StepError::NonFinite`].
 //! - **Building** is refused with a [`BuildError`]: a setting outside its range, settings that exclude each other
 //!   ([`Accept::Minimum`] without a factorisation), an element that names a vertex that does not exist (already by
 //!   `energy`), a matrix too large for its indices.
@@ -288,16 +353,22 @@
 //!   ([`StepError::NotPositiveDefinite`]), if contact cannot be resolved, or not felt ([`StepError::ContactNotFelt`],
 //!   [`Solve::Newton`]). The state is then what it was before the step.
 //! - **A state of the wrong length** is a bug of the caller and panics.
-//! - **No convergence is no error.** A step that has spent [`ImplicitConfig::max_iterations`], is stuck in contact, has
-//!   linearised the cloth eight times, or whose Newton's method does not fit into the memory or loses a nearly singular
-//!   matrix, reports [`Outcome::BudgetSpent`](cloth_core::step::Outcome) with the residual that is left. The state has
-//!   advanced: look at the report.
+//! - **Odd cloth is no error**: springs whose ends coincide get some direction and unfold, a vertex without elements
+//!   falls freely, a cloth that is prescribed everywhere only moves its pins (`tests/chapter/special.rs`); inverted
+//!   elements are positions like others.
+//! - **No convergence is no error.** A step that has spent [`ImplicitConfig::max_iterations`], is stuck in contact, or
+//!   has linearised the cloth eight times; one whose matrix for Newton's method does not fit into the memory, or is so
+//!   nearly singular that an iterative solver finds it indefinite: all report
+//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome) with the residual that is left. The state has advanced: look
+//!   at the report.
 //!
 //! # Threads
 //! With the feature `parallel` energies, gradients, matrices and multigrid run on rayon's threads. No colours: each
 //! chunk of 2048 vertices visits all elements that touch it, and adds to its own vertices only; an element on the
 //! border of two is computed twice. The smoother is Gauss–Seidel within 8192 rows and Jacobi between them. Chunks and
-//! the order of sums are fixed, so results have the same bits on any number of threads, and without the feature.
+//! the order of sums are fixed, so results have the same bits on any number of threads, and without the feature
+//! (`cloth-bench/tests/contract/thread_parity.rs`). L-BFGS is among them; plain loops over vertices in this crate are
+//! serial.
 //!
 //! # Add an element
 //! One struct and the traits of [`cloth_core::element`]: `Element<N>` names the vertices, and either `Constraint<N>`
@@ -363,18 +434,40 @@
 //!   cloth. It keeps linear momentum, not angular momentum.
 //! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet
 //!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps, at the stable limit (`cloth-bench` takes steps half
-//!   as long), for what implicit Euler does in one of 1/60 s. (0.77 l √(ρ/k), the limit of an endless grid, makes 305;
+//!   as long), for what implicit Euler does in one of 1/60 s. (0.765 l √(ρ/k), the limit of an endless grid, makes 307;
 //!   but at a corner a third of the mass ρ l² hangs on full springs, and ω² = 9.86 k/(ρ l²).)
 //! - A compressed sheet has many minima, one for each buckling mode, and saddle points between them. Which minimum
 //!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`]. Exactly
 //!   flat cloth under forces in its plane feels none out of it, and neither Newton's method nor L-BFGS leaves the
 //!   plane: by default it never buckles. Displace the start a little, or ask for [`Accept::Minimum`].
 //! - Springs with slack change their stiffness from nothing to all at the end of it; the quasi-Newton method then often
-//!   gets stuck, and Newton's method takes over: at 32 cells a side a step takes forty to sixty times as long.
+//!   gets stuck, and Newton's method takes over: compare the rows `tension` and `slack` of the example `materials` with
+//!   that of the same k, D and Δt.
 //! - Gradients cannot be made smaller than rounding: positions of 1 m are stored to 10⁻¹⁶ m, and stiff springs feel it.
 //!   At 10⁴ N/m and 1/60 s the floor is about 10⁻⁸ to 10⁻¹⁰ of the forces. The iteration knows it and stops there.
 //! - Springs on every edge lock bending across the diagonals, whatever the integrator: 3V coordinates less E edge
 //!   lengths leave few free motions.
+//!
+//! # Which settings
+//!
+//! | for | take |
+//! |---|---|
+//! | cloth at steps of a frame | the default |
+//! | a reference, a rest shape | [`ImplicitConfig::reference`]; one step of 10⁶ s or more, `tolerance: 0` |
+//! | the least cost of a step, slow or taut cloth | [`ImplicitConfig::linearized`] |
+//! | little numerical damping at large steps | [`Bdf2`] |
+//! | motion resolved by the step, energy or angular momentum kept | [`ImplicitMidpoint`], [`SymplecticEuler`] |
+//! | soft or coarse cloth, `Δt < 2/ω_max` anyway | [`SymplecticEuler`] |
+//!
+//! The tolerance is relative to the change of velocity that all forces but gravity and load make in a step. At very
+//! long steps that is about `g Δt`, and only 0 asks for equilibrium. Elsewhere halve Δt and the tolerance one at a
+//! time, and refine what changes the result more (`cloth-bench study decision` has tolerances of 10⁻² and 10⁻¹,
+//! `work-precision` step sizes).
+//!
+//! Memory: a matrix stores a block of nine numbers per vertex and per pair of vertices that share an element. With
+//! springs alone that is V + E blocks; a hinge adds the pair opposite its edge, about as many again, but not in the
+//! default, which lumps it. A factor of Newton's method needs more, and more than proportional to V (`cloth-bench study
+//! scale` prints the peak).
 //!
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
@@ -404,8 +497,9 @@
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
 //!    `drift.rs`, `global_terms.rs` (volumes).
 //!
-//! Most claims of this page are tests in `tests/chapter` (`cargo test --release -p cloth-massspring --features cholesky
-//! --test chapter`), those on contact in `cloth-bench/tests/contract`; times and tables are `cloth-bench`'s.
+//! A new integrator: see `implicit.rs`. Most claims of this page are tests in `tests/chapter` (`cargo test --release -p
+//! cloth-massspring --features cholesky --test chapter`), those on contact in `cloth-bench/tests/contract`; times and
+//! tables are `cloth-bench`'s.
 //!
 //! # Features
 //!

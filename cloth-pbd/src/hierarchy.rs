@@ -54,20 +54,24 @@ impl Default for HierarchyConfig {
 /// of the order of N² sweeps to converge. A level with half of the vertices takes half of the sweeps, each half
 /// as much work.
 ///
-/// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]; prescribed vertices are kept.
+/// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]; prescribed vertices are kept. Each level is
+///   a subset of the one before, of at most four fifths of its vertices. A vertex that is left out has parents in it
+///   ([`Hierarchy::parents`]), one on the boundary two that are too, with weights `Pᵢⱼ ≥ 0` of sum 1: so a
+///   translation is prolongated exactly, a linear field nearly.
 /// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents
 ///   they are. The length of a link is the geodesic distance over the cloth at rest, so no folding, bending or
 ///   unrolling without stretch makes one longer. A link that is not too long does nothing, so zero-energy
 ///   configurations of the cloth are those of every level: a coarse level does not resist bending.
 /// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by
 ///   projections. A link does not become shorter by the corrections of others: below its length at the start it
-///   pushes back. (Müller's links only pull. Pulling by turns they draw the cloth together sideways, and
-///   nothing on their level draws it apart again: on a hanging sheet of 128 × 128 vertices by a fifth of what
-///   gravity moved it.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, with the prolongation P of
+///   pushes back. (Müller's links only pull. Each that is
+///   shortened lengthens or shortens its neighbours; those that have become too short are left so, and a hanging sheet
+///   narrows.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, with the prolongation P of
 ///   [`coarse_levels`]. The mass of a coarse vertex is `Σᵢ Pᵢⱼ mᵢ`, `Pᵀm`, so `Σ m x` does not change.
 ///
 /// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth
-/// becomes stiffer. Angular momentum is not conserved by the prolongation. Only stretching is corrected.
+/// becomes stiffer. Angular momentum is not conserved by the prolongation. Only stretching is corrected. Levels,
+/// lengths and weights come from the mesh at rest and the vertices prescribed when it is built; pins may move.
 #[derive(Debug)]
 pub struct Hierarchy {
     vertex_count: usize,

@@ -47,7 +47,8 @@
 //! with w̃ the generalised inverse mass of the row. The inverse masses are not a choice: with them
 //! `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ`, which is zero for every constraint that is invariant under translation. So a projection of
 //! free vertices onto such a constraint keeps the linear momentum; one that holds to a place (a soft pin, a plane) or
-//! has a prescribed vertex does not. A vertex with w = 0 does not move.
+//! has a prescribed vertex does not. In the same way `Σ xᵢ × mᵢ Δxᵢ = Δλ Σ xᵢ × ∂C/∂xᵢ` is zero where C is invariant
+//! under rotation. A vertex with w = 0 does not move.
 //!
 //! **All constraints.** Backward Euler's step is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the end of the free
 //! flight, since its stationary point has `M (x − x̃)/h² = −∂E/∂x`. For infinitely stiff E that is the point nearest to
@@ -55,8 +56,14 @@
 //! towards it (exactly so where the constraints are linear): *PBD is the hard limit of backward Euler, solved
 //! approximately*. In that limit k has no place. With J = ∂C/∂x the system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit
 //! relaxes one row of it. For curved constraints J changes as the sweeps move x, so they end on C = 0, but not exactly
-//! at the nearest point. Soft rows add `1/(k h²)` to the diagonal; a method that does so must keep the λ of each row:
-//! that is XPBD.
+//! at the nearest point. Soft rows add `1/(k h²)` to the diagonal.
+//!
+//! **Why k needs a λ.** The equation of such a row is `C + w̃ Δλ + (λ + Δλ)/(k h²) = 0`, so a visit makes
+//! `Δλ = −(C + λ/(k h²))/(w̃ + 1/(k h²))`, λ the sum of its Δλ in this substep. The term with λ says how much of its
+//! force the spring exerts already; with it Δλ is zero where the spring is in balance, at C ≠ 0. A method that keeps λ
+//! is XPBD. A visit of PBD knows C alone, and acts as if it were the first. So sweeps rest at C = 0 only, whatever k,
+//! and a soft constraint has to know beforehand how often it will be visited. The λ that this crate adds up, from zero
+//! in each substep, since it belongs to one x̃, is for the work of pins; no visit reads it.
 //!
 //! **Soft constraints** make the fraction s of the correction in a visit, and so leave `(1 − s)ⁿ` of C after n visits
 //! of one constraint alone. With `E = ½ k C²` and `λ = −k h² C`, backward Euler is `M (x − x̃) = λ ∂C/∂x`; for one
@@ -97,15 +104,31 @@
 //! `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖`. This is for linear rows and pins at rest, without extrapolation, a hierarchy or
 //! Jacobi sweeps in full. Where x⁰ violates rows, what the sweeps take back becomes velocity.
 //!
+//! **How much is lost?** A spring alone that oscillates along its axis divides its energy by 1 + k h² w̃ in a substep,
+//! as with implicit Euler. A rigid link about a prescribed end that has turned by α in one substep turns in the next
+//! by β with `tan β = sin α/(2 − cos α)`, β ≈ α − α³: velocities from positions point along the chord, and the
+//! projection removes what free flight along it adds to the radius. So a link that turns at ω loses the fraction
+//! 2 (h ω)² of its kinetic energy in a substep: order h in a given time.
+//!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²`: distance, bending (flat, curved,
 //! by angle), area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
 //!
 //! | constraint | C | its gradient | k | element |
 //! |---|---|---|---|---|
 //! | distance | ‖x₀ − x₁‖ − L | ±(x₀ − x₁)/‖x₀ − x₁‖ | N/m | [`Spring`] |
-//! | bending by angle | θ − θ₀ | gᵢ = −‖e‖ nᵢ/‖nᵢ‖² at the tips i = 2, 3, with the edge e = x₁ − x₀ and the normals nᵢ (twice the area); −t₂ g₂ − t₃ g₃ at x₁, tᵢ = (xᵢ − x₀)·e/‖e‖²; at x₀ what makes the sum zero | N·m | [`DihedralHinge`](cloth_core::energy::DihedralHinge) |
+//! | bending by angle | θ − θ₀ | gᵢ = −‖e‖ nᵢ/‖nᵢ‖² at the tips i = 2, 3, with the edge e = x₁ − x₀ and the normals n₂ = e × (x₂ − x₀), n₃ = (x₃ − x₀) × e; −t₂ g₂ − t₃ g₃ at x₁, tᵢ = (xᵢ − x₀)·e/‖e‖²; at x₀ what makes the sum zero | N·m | [`DihedralHinge`](cloth_core::energy::DihedralHinge) |
 //! | isometric bending | Σ qᵢ xᵢ, three rows | qᵢ along each axis | N/m | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge) |
-//! | area | A − A₀ | ½ n̂ × the opposite edge, n̂ the unit normal | N/m³ | [`AreaTriangle`](cloth_core::energy::AreaTriangle) |
+//! | area | A − A₀ | ½ n̂ × the opposite edge, n̂ the unit normal; the edge from the next vertex to the one after it | N/m³ | [`AreaTriangle`](cloth_core::energy::AreaTriangle) |
+//!
+//! *Angle.* θ is zero where the hinge is flat, and negative where the tips rise to the side of the normals: it knows up
+//! from down. θ − θ₀ is taken between −π and π, so a hinge more than half a turn from its rest angle unfolds the other
+//! way. Flat is no special case, since no arc cosine is differentiated. In a triangle of small height the gradient
+//! grows as its inverse, and the correction falls with it; a hinge with a triangle without area is left alone.
+//!
+//! *Which bending?* Isometric bending is linear in x, has a constant w̃ and is cheap ([costs](#costs)); take it for
+//! cloth that is flat at rest and hardly stretches. By angle where a fold has a rest angle, or is sharp. A spring
+//! between the tips is no substitute: its length is stationary where the hinge is flat, so it does not resist a small
+//! bend.
 //!
 //! | equation | function |
 //! |---|---|
@@ -126,6 +149,20 @@
 //! functions there are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves
 //! the gradient `d/l` undivided and computes `Δλ/l = −s C/(w̃ l)`, so that one division does for two.
 //!
+//! **From the naive loop to the solver.** In `examples/first_program.rs`
+//!
+//! | naive | solver |
+//! |---|---|
+//! | `v[i] += …; x[i] += …` | [`Motion::predict`] |
+//! | `for spring in springs` | [`Families::sweep`], colour by colour unless sequential |
+//! | `value`, `gradient` | [`Constraint::rows`] |
+//! | `ratio`, `s` | `Projection::equation`: s is kept until w̃ changes, since a power costs more than the rest |
+//! | `x[a] += …; x[b] -= …` | `correction.rs` |
+//! | `v[i] += (x[i] - predicted[i]) / h` | [`Motion::update_velocities`] |
+//!
+//! After 30 steps both are within 1e-13 m of each other, not equal to the last bit: the solver orders the divisions as
+//! above, computes s with `exp_m1` and `ln_1p`, and from a w̃ rounded to 40 binary digits.
+//!
 //! [`Motion::predict`]: cloth_core::method::position_based::Motion::predict
 //! [`Motion::update_velocities`]: cloth_core::method::position_based::Motion::update_velocities
 //! [`Motion::count_pin_work`]: cloth_core::method::position_based::Motion::count_pin_work
@@ -133,15 +170,17 @@
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! # Order of the constraints, colours and threads
-//! A sweep visits the families in the order in which they were added, and the elements of a family in the order of
-//! [`Sweep`]. The result depends on both; the constraint visited last is met best. [`Sweep::Colored`], the default,
-//! colours the elements greedily, so that no two of a colour share a vertex: they can be visited in parallel, without
-//! locks, and give the same bits on any number of threads (feature `parallel`; a second thread takes part in colours of
-//! at least 4096 elements). Springs of which at most a meet at a vertex get between a and 2a − 1 colours. A cloth of
-//! 2¹⁹ vertices or more is visited by blocks of 2¹⁴ vertices, the colours of one block before the next.
+//! A family is what one call of [`energy`](PbdBuilder::energy) adds: elements of one type. A sweep visits the families
+//! in the order in which they were added, and the elements of a family in the order of [`Sweep`]. The result depends on
+//! both; the constraint visited last is met best. [`Sweep::Colored`], the default, colours the elements greedily, so
+//! that no two of a colour share a vertex: they can be visited in parallel, without locks, and give the same bits on
+//! any number of threads (feature `parallel`; a second thread takes part in colours of at least 4096 elements). Springs
+//! of which at most a meet at a vertex get between a and 2a − 1 colours. A cloth of 2¹⁹ vertices or more is visited by
+//! blocks of 2¹⁴ vertices, the colours of one block before the next.
 //! [`Sweep::Sequential`] keeps the order given and one thread. Jacobi sweeps solve all elements at the same positions;
 //! averaged, each makes the fraction 1/a of its correction, a the most elements, of all families, at one of its free
-//! vertices.
+//! vertices. The fraction is that of the element: if each vertex divided what it receives by its own count, the two
+//! ends of a spring would be scaled differently, and momentum would be lost.
 //!
 //! What one sweep leaves of the slowest error of a straight chain of N rigid links, held at one end:
 //!
@@ -155,17 +194,18 @@
 //!
 //! Jacobi's matrix `D⁻¹(L + U)` of this chain takes each link to the mean of its two neighbours, mirrored at the
 //! support and zero beyond the free end. So its eigenvectors are `cos((i − 1)θ)`, i = 1 … N, with `cos(Nθ) = 0`, the
-//! eigenvalues `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix Gauss–Seidel has their squares. One
+//! eigenvalues `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix Gauss–Seidel has their squares, from one
+//! end to the other as well as by two colours: colours change the answer of unconverged sweeps, not this rate. One
 //! elimination would solve such a system exactly: not offered here, see the direct solver of `cloth-xpbd`.
 //!
 //! # How many substeps, how many iterations
 //! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses,
 //! swept once per substep from its support, hangs with a mean strain of `ε = g h² (N − 1)/(2 l)`; so a wanted ε takes
-//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest; what is stopped at a speed v strains for a while by up to v h/l more
-//! (single links by up to 2 v h/l if every other one is visited first). n iterations
-//! of one substep divide the sag by nearly n, n substeps by n². "As many iterations as the mesh is wide", a popular
-//! rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material needs another
-//! method: see the limits.
+//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest. If the chain falls at a speed v and is caught by its support, add up to
+//! v h/l until it has come to rest (for single links 2 v h/l if every other one is visited first). n ≤ N iterations of
+//! one substep divide the sag by n or a little more, n substeps by n². "As many iterations as the mesh is wide", a
+//! popular rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material needs
+//! another method: see the limits.
 //!
 //! # Acceleration
 //! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω = 1 for the first sweeps, then
@@ -194,10 +234,30 @@
 //! another size it can be more than 1 %) decays as slowly as ever: on 64 × 64 vertices it takes 15 further
 //! sweeps to 1 %.
 //!
+//! # Which variant
+//! | scene | take |
+//! |---|---|
+//! | hard constraints | few iterations, many substeps: the sag falls with the square of these |
+//! | a rope, a chain | [`Sweep::Sequential`], links in order from the support |
+//! | a fine sheet, tens of sweeps and more | Chebyshev on the coloured sweep, ρ estimated |
+//! | a sheet that hangs taut from a long support | a [`Hierarchy`], one correction a substep |
+//! | a bound on stretch, after this or another method | [`WithStrainLimit`] |
+//! | a soft material | substeps until `k h² w̃ ≪ 1`, or [another method](#when-not-to-use-this-method) |
+//! | the order of the elements must not count | Jacobi, averaged, with Chebyshev |
+//!
+//! # Costs
+//! A step costs substeps × iterations × Σ elements × their cost, and beside it a few passes over the vertices in a
+//! substep; a triangulated sheet has about three springs and three hinges a vertex. On one thread a spring takes 4.5 ns
+//! a sweep (the first row above: 48 641 springs); isometric bending takes 2 to 3 springs, area 10 to 15, bending by
+//! angle 20 to 30 (128 × 128 vertices, falling, three runs on a busy 2-core machine; on yours:
+//! `cargo run --release -p cloth-pbd --example cost_of_a_sweep`). The rule costs nothing where w̃ is constant; where it
+//! is not, as for area and angle, [`StiffnessRule::Material`] takes a power in each visit, [`StiffnessRule::Fixed`]
+//! none. In memory a row has 24 bytes at most beside its element: w̃, s, λ. Nothing is allocated after the first step.
+//!
 //! # Strain limiting
 //! For the end of a step of *any* method: [`WithStrainLimit`] follows each step by projections onto ranges of
 //! lengths, areas or principal stretches, and updates the velocities so that linear and angular momentum are
-//! conserved where no vertex is prescribed and contact does not shorten the way.
+//! conserved where no vertex is prescribed and contact does not truncate the displacement.
 //!
 //! # Pin and drag
 //! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to
@@ -211,13 +271,16 @@
 //! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints), implemented by the
 //! crate `cloth-collide`) is handed over with [`StepInput::contacts`]. In each substep `begin_substep` finds what can
 //! touch on the free flight; `sweep`, last in each sweep, visits its rows `C = n·Σ aᵢ xᵢ − d̂ ≥ 0` (normal n, nearest
-//! points by their weights aᵢ, range d̂) with the compliance of contact, and friction within μ λ; `end_substep` tests
-//! all paths before the velocities follow from the positions. What pushes the cloth out becomes velocity, unless
-//! `change_velocities` takes it back: `cloth-collide` does so where there is a coefficient of restitution. The solver
-//! itself knows nothing of shapes, and runs no code for contact without a source. The strain that unconverged sweeps
-//! leave is elastic energy that contact can release: a sheet of 64 × 64 vertices and 0.2 kg that falls 5 cm onto a ball
-//! gains some 1500 J with the default of 20 iterations (`cloth-bench/doc/results.md`), where a fall of 0.32 m, that of
-//! implicit Euler, gives 0.6 J.
+//! points by their weights aᵢ, range d̂) with the compliance of contact, and friction, on positions too, within μ λ (μ
+//! dimensionless); `end_substep` tests all paths before the velocities follow from the positions. Contact comes last,
+//! so its rows are met best, and those of the cloth are disturbed; a prescribed vertex does not yield to it. What
+//! pushes the cloth out becomes velocity, unless `change_velocities` removes it: `cloth-collide` does so where there is
+//! a coefficient of restitution. The solver itself knows nothing of shapes, and runs no code for contact without a
+//! source.
+//!
+//! The strain that unconverged sweeps leave is elastic energy, which contact can release. A sheet of 64 × 64 vertices
+//! and 0.2 kg falls 5 cm onto a ball. With implicit Euler it falls by 0.32 m in all, worth 0.6 J; with the default of
+//! 20 iterations it gains some 1500 J (`cloth-bench/doc/results.md`).
 //!
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or
@@ -234,13 +297,18 @@
 //!   [`AreaTriangle`](cloth_core::energy::AreaTriangle) flattened to a line, are driven apart in a direction that
 //!   depends on their numbers only.
 //! - **No convergence test.** A step makes its sweeps and reports
-//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome).
+//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome). To see how a scene of yours converges, pass an
+//!   [`Observer`](cloth_core::step::Observer) with [`StepInput::observer`]: it gets the positions after every sweep.
 //!
 //! # Add an element
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives
 //! the rows. The solver takes it as it takes ours; colours, threads and acceleration follow. For an
 //! inequality φ(x) ≥ 0 give the value min(φ, 0), and a zero gradient where φ > 0. (XPBD needs
-//! [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows) too, to take a multiplier back.)
+//! [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows) too, to take a multiplier back.) A long-range
+//! attachment (Kim et al. 2012) is such a row on a vertex x and a prescribed vertex p: `φ = r − ‖x − p‖`, r the
+//! geodesic distance over the cloth at rest; with the straight one, cloth that is folded or rolled at rest could not
+//! open. It moves x alone, so, added last, it holds after every sweep over the cloth, however few there are. It bounds
+//! the stretch away from p and no other.
 //!
 //! ```
 //! use cloth_pbd::cloth_core::check::gradient_error;
@@ -277,15 +345,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! Then as in `tests/all/constraints.rs`: one element against `(1 − s)ⁿ`; all vertices free, rigid, against C = 0 and
+//! the momentum; shapes without a gradient.
+//!
 //! # Limits
 //! - **The material is met by one constraint alone.** Constraints that share vertices spoil each other's corrections,
 //!   and then the rule gives cloth *softer* than its k, the more so the larger `k h² w̃` and the longer the chain: two
-//!   springs in a row of k = 100 N/m, 10 g a vertex, h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 80 to 250
-//!   times (3 times at 1 kg a vertex). By hand: N springs and equal masses m, swept once a substep from the support,
-//!   sag `1 + (k h²/m)(N − 1)/(N + 1)` times too far, 1.926 for the two. More iterations do not cure it: each then
-//!   corrects less, and the whole tends to a limit. For n fixed and h → 0, `s ≈ k h² w̃/n`, and n visits move by
-//!   `−h² w k C ∂C`: the explicit force at x̃. The method then converges to the material with order 1, where
-//!   `k h² w̃ ≪ 1` for every row; there symplectic Euler is cheaper.
+//!   springs in a row of k = 100 N/m, 10 g a vertex, h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 84 times
+//!   with 20 iterations, 252 with one (2.9 and 3.5 at 1 kg a vertex). By hand: N springs and equal masses m, swept once
+//!   a substep from the support, sag `1 + (k h²/m)(N − 1)/(N + 1)` times too far, 1.926 for the two. More iterations do
+//!   not cure it: each then corrects less, and the whole tends to a limit. For n fixed and h → 0, `s ≈ k h² w̃/n`, and
+//!   n visits move by `−h² w k C ∂C`: the explicit force at x̃. The method then converges to the material with order 1,
+//!   where `k h² w̃ ≪ 1` for every row; there symplectic Euler is cheaper.
 //! - **With [`StiffnessRule::Fixed`] the stiffness depends on the iterations**: it grows with each of them and
 //!   with each smaller step, without bound, and no number of iterations is the right one.
 //! - A finer mesh needs more iterations: for a straight chain of N rigid links one sweep leaves `cos²(π/2N)` of
@@ -303,14 +374,15 @@
 //!   tends to C = 0, whatever k.
 //! - Linear momentum is conserved to round-off in free flight. Angular momentum is not: each correction has no
 //!   moment about the positions at its visit, but the lever arms turn during the step. The loss is of order h,
-//!   as in implicit Euler. Kinetic energy is lost too, of order h.
+//!   as in implicit Euler. Kinetic energy is lost too, of order h. Pins, soft pins and contact with obstacles change
+//!   both momenta; a [`Hierarchy`] and extrapolation keep the linear one.
 //! - Its forces are not those of the material. A row pushes with `ΣΔλ/h²`, summed over its visits in a substep,
-//!   and so do prescribed vertices that move: their work is that of these forces. The elastic energy that k and the
-//!   stretch that sweeps leave come to is no energy of the method, and may be thousands of times what was put in. Its
-//!   own forces do not give it back; contact, a strain limit or another method that goes on from there may.
-//! - There is no damping but the method's own (a spring alone divides its energy by 1 + k h² w̃ in a substep). That of
-//!   Müller et al. 2007, section 3.5, which leaves the rigid motion as it is, is not offered; scale velocities between
-//!   steps for more.
+//!   and so do prescribed vertices that move: their work is that of these forces. The elastic energy `½ Σ k C²` of the
+//!   stretch that sweeps leave is not conserved by anything here, and may be thousands of times the work that was done.
+//!   PBD does not turn it into motion; contact, a strain limit, or another method that continues the run may.
+//! - There is no damping but the [method's own](#the-step). That of Müller et al. 2007, section 3.5, which leaves the
+//!   rigid motion as it is, is not offered; scale velocities between steps for more. Nor are long-range attachments
+//!   ([an element](#add-an-element) of a few lines).
 //! - Stiffnesses are taken to be zero, positive or infinite, and not checked. A negative one pushes away from C = 0;
 //!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].
 //!
@@ -336,6 +408,7 @@
 //!
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method. `examples/springs_in_a_row.rs`: what its k is worth.
+//!    `examples/cost_of_a_sweep.rs`: what an element costs. `examples/fingerprint_pbd.rs`: the same bits everywhere.
 //! 2. `cloth-core/src/element.rs`: what a row is. `solver.rs`: the loop; `config.rs`: its settings.
 //! 3. `stiffness.rs`: the formula of a row. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
 //!    `families.rs` (the sweep), `motion.rs` (flight, velocities, contact), `chebyshev.rs`.
@@ -363,6 +436,8 @@
 //! - M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008,
 //!   <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>. Here links are as long as the geodesic over the cloth,
 //!   and do not let each other become shorter.
+//! - T.-Y. Kim, N. Chentanez, M. Müller, "Long range attachments: a method to simulate inextensible clothing in
+//!   computer games", SCA 2012, <https://doi.org/10.2312/SCA/SCA12/305-310>.
 //! - H. Wang, J. O'Brien, R. Ramamoorthi, "Multi-resolution isotropic strain limiting", ACM Trans. Graph.
 //!   29(6), 2010, <https://doi.org/10.1145/1882261.1866182>; X. Provot, "Deformation constraints in a
 //!   mass-spring model to describe rigid cloth behavior", Graphics Interface 1995.

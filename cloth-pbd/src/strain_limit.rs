@@ -71,10 +71,9 @@ impl StretchRange {
 ///
 /// - `v ← v + Δx/Δt`, Δx over all passes. Since `Σ m Δx = 0`, linear momentum is conserved.
 /// - The vertices have moved, so their angular momentum `Σ m x × v` has changed. Each connected component of
-///   the limits is given the spin ω that restores it, `v ← v + ω × (x − c)`, c its centre of mass: what is
-///   pulled in turns faster, as a skater does. Of all changes of the velocities that do it, this is the
-///   smallest in the metric of M. (To do it projection by projection looks more local, but pumps energy in with
-///   every pass: it blew a hanging sheet up in thirteen steps.)
+///   the limits is given the spin ω that restores it, `v ← v + ω × (x − c)`, c its centre of mass: a component
+///   that becomes smaller turns faster, as a skater does. Of all changes of the velocities that do it, this is the
+///   smallest in the metric of M. (Projection by projection it would be more local, but add energy in every pass.)
 ///
 /// A component with one prescribed vertex conserves the angular momentum about this vertex; with two, none.
 ///

@@ -74,7 +74,7 @@ impl<const K: usize> ProjectionBatch<K> {
         }
     }
 
-    /// The same for spheres. Returns `false` where some `‖z‖²` is no number to divide by.
+    /// The same for spheres. Returns `false` where some `‖z‖²` is zero, subnormal or not finite.
     #[inline(always)]
     fn find_on_spheres<'a, const N: usize, E: Projective<N, K>>(
         &mut self,
@@ -112,7 +112,7 @@ impl Spheres {
         squared: [3.0; BATCH_SIZE],
     };
 
-    /// Takes elements from anywhere. Returns `false` where some `‖z‖²` is no number to divide by.
+    /// Takes elements from anywhere. Returns `false` where some `‖z‖²` is zero, subnormal or not finite.
     #[inline(always)]
     fn gather<'a, const N: usize, const K: usize, E: Projective<N, K>>(
         &mut self,
@@ -161,7 +161,7 @@ impl Spheres {
 pub(crate) type Packed = [Real; 8];
 
 /// `w (I − ∂p/∂z)` (N/m) of at most [`BATCH_SIZE`] elements that project to spheres: `w (c I + (1 − c) z zᵀ/‖z‖²)` with
-/// `c = 1 − r/‖z‖`, or 0 where that is negative. None where some `‖z‖²` is no number to divide by.
+/// `c = 1 − r/‖z‖`, or 0 where that is negative. None where some `‖z‖²` is zero, subnormal or not finite.
 #[inline(always)]
 pub(crate) fn projected_hessians_on_spheres<
     'a,

@@ -9,7 +9,7 @@
 //!
 //! is the constant matrix for what is rough and Newton's method for what is smooth. V is a cycle of [`Multigrid`] on
 //! the lattice and the levels below it. The first part is symmetric and positive definite, the second symmetric and
-//! positive semi-definite (it vanishes on what the hats do not see), so the sum is positive definite and the direction
+//! positive semi-definite (it vanishes on the r with Pᵀr = 0), so the sum is positive definite and the direction
 //! goes down. H is taken where the step's iteration starts, once a step, over the elements that the constant matrix
 //! has.
 //!

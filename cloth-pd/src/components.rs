@@ -16,8 +16,8 @@ pub(crate) struct FreeComponents {
 }
 
 const CONSTRAINED: u32 = u32::MAX;
-/// A row of `Σ w SᵀS` whose entries add up to more than this part of the largest diagonal entry resists a translation;
-/// an entry that is smaller ties nothing. Elements that have been taken away leave so much.
+/// A row of `Σ w SᵀS` whose entries add up to more than this fraction of the largest diagonal entry resists a
+/// translation; a smaller entry couples nothing: it is the rounding that removed elements leave.
 const ROUNDING: Real = 1e-13;
 
 impl FreeComponents {

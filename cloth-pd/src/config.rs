@@ -21,9 +21,9 @@ pub struct PdConfig {
     /// Newton decrement, as a speed, over the change of velocity that the forces have made. As pairs that mislead make
     /// it small, five iterations must have lowered `G` by no more than `5 (τ ‖x − x̃‖_M/Δt)²` besides. It is an
     /// estimate, weaker than a bound on the gradient: A is too stiff where cloth bends, so B, and this, come out too
-    /// small. Where nothing touches, τ/2 is asked for; with active contacts and where prescribed vertices move it is
-    /// asked after thirty iterations, and 0.3 τ with the latter. With active contacts a step ends, too, once `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the
-    /// norm of M⁻¹. 0 asks for all `most_iterations`.
+    /// small. With neither active contacts nor moving pins τ/2 takes the place of τ. With moving pins it is 0.3 τ, else
+    /// with active contacts τ, after thirty iterations at least. With active contacts a step ends, too, once
+    /// `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹. 0 asks for all `most_iterations`.
     pub velocity_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ
     /// dimensionless; C is the potential of contact, if there is any), and the report has that ratio as its residual.
@@ -54,6 +54,13 @@ pub enum StartGuess {
 }
 
 /// How iterates are combined.
+///
+/// Which to take: [`QuasiNewton`](Self::QuasiNewton), the default, with a
+/// [coarse grid](crate::PdBuilder::coarse_grid) of 12 cells, which the builder does not lay by itself. Without one
+/// where the cloth is crumpled at the scale of the cells, which its hat functions cannot follow
+/// ([limits](crate#limits)). [`Chebyshev`](Self::Chebyshev) needs about as many iterations as quasi-Newton without a
+/// grid ([table](crate#iterations)), but ρ has to be known, the bending stays in the factor, and contact excludes it.
+/// [`None`](Self::None) is for comparison and for soft cloth: no search, no pairs, and `G` falls by proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Acceleration {
@@ -62,9 +69,8 @@ pub enum Acceleration {
     None,
     /// The Chebyshev semi-iterative method (Wang 2015) over the plain iteration: each iterate is extrapolated from the
     /// one before the last. Where `G` would not fall, the plain iterate is taken and the method begins anew.
-    /// Extrapolated iterates cannot be bounded by contact: a step with contact is one
-    /// of plain iterations, and counts among
-    /// [`chebyshev_fallbacks`](cloth_core::step::StepReport::chebyshev_fallbacks).
+    /// Extrapolated iterates cannot be bounded by contact: a step with contact is one of plain iterations, and counts
+    /// among [`chebyshev_fallbacks`](cloth_core::step::StepReport::chebyshev_fallbacks).
     Chebyshev {
         /// Largest factor ρ (dimensionless, at least 0, below 1) by which the plain iteration keeps an error. `None`:
         /// read off the plain iterations that every step then starts with. That is too small, as the first iterations

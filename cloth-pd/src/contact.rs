@@ -1,4 +1,19 @@
 //! Contact in the quasi-Newton iteration: what it adds to the constant matrix.
+//!
+//! The order of a step, C the contact potential:
+//! ```text
+//! begin: λ and planes of friction from x[0];  truncate the path from x[0] to the start     begin, limit_each
+//! so many times, at the iterate x:
+//!     k, J of the active contacts                                                          linearize
+//!     solve with A + Σ k J Jᵀ, pairs and coarse grid: a direction d                        below, quasi_newton.rs
+//!     scale d to the trust radius
+//!     detect on the path from x to x + d, truncate it vertex by vertex                     limit_each
+//!     line search on G + C along what is left                                              backtrack
+//!     where that fails: the same without pairs and grid, and one length for all            limit
+//! ```
+//! So candidates are detected in every iteration, for the path that is about to be taken, and `C`, `∇C` and the rows of
+//! the next iteration are evaluated over them. An accepted path has no intersection, so nothing passes through in
+//! between (no tunnelling). A row has up to four vertices with weights, as a vertex and a triangle or two edges have.
 
 use crate::global::GlobalSystem;
 use cloth_core::contact::{ContactPotential, ContactRow, GlobalRows};
@@ -15,8 +30,8 @@ const RELATIVE_TOLERANCE: Real = 0.1;
 /// Most iterations of conjugate gradients.
 const MAX_ITERATIONS: u32 = 10;
 
-/// `A + Σ k J Jᵀ` with the contacts of one place, for which no matrix is factorised: conjugate gradients around the
-/// factor of A. As the contacts are few, or soft beside the cloth, three to six are enough.
+/// `A + Σ k J Jᵀ` with the contacts linearised at one iterate, for which no matrix is factorised: conjugate gradients
+/// preconditioned with the factor of A. As the contacts are few, or soft beside the cloth, three to six are enough.
 #[derive(Debug)]
 pub(crate) struct ContactSystem {
     pub(crate) rows: Vec<ContactRow>,
@@ -45,7 +60,7 @@ impl ContactSystem {
         }
     }
 
-    /// Linearises the contacts at `x` (m), which lies on the last displacement.
+    /// Linearises the contacts at `x` (m), which has to lie on the path of the last detection.
     pub(crate) fn find(&mut self, contact: &Contact<'_>, x: &[Vec3], particles: &Particles) {
         self.rows.clear();
         self.global.clear();

@@ -26,7 +26,7 @@ const BUFFER_LEN: usize = CHUNK + LONGEST_RUN + LANES;
 /// x, y and z.
 type Buffers = [Buffer; 3];
 
-/// The place in a plane of a vertex of a block that starts with vertex `start`.
+/// The place in a buffer of a vertex of a block that starts with vertex `start`.
 fn place(vertex: u32, start: usize) -> usize {
     let (pair, side) = ((vertex as usize - start) / 2, vertex as usize % 2);
     pair + side * (CHUNK / 2)
@@ -119,7 +119,8 @@ impl Runs {
     }
 
     /// Adds the forces of the elements at the vertices of block number `block` to `out`, and returns the energy of
-    /// those whose first vertex is there. None, and nothing added, where some `‖z‖²` is no number to divide by.
+    /// those whose first vertex is there. None, and nothing added, where some `‖z‖²` is zero, subnormal or
+    /// not finite.
     #[inline(always)]
     pub(crate) fn sum<const N: usize, const K: usize, E: Projective<N, K>>(
         &self,

@@ -1,7 +1,7 @@
 //! The global step: one matrix for x, y and z alike, the same in every iteration, factorised once per step size.
 //!
-//! What changes a few rows of it (a vertex grabbed or released, an element gone, an attachment come) is made good for
-//! in every solve, by [`WoodburyUpdate`], as long as that is cheaper than factorising again. How long a change will
+//! A change of a few rows (a vertex grabbed or released, an element removed, an attachment added) is corrected in every
+//! solve, by [`WoodburyUpdate`], as long as that is cheaper than factorising again. How long a change will
 //! stay is not known (the ski-rental problem): once the corrections have cost as much as a factorisation, the matrix is
 //! factorised. That never costs more than twice the better choice.
 

@@ -39,7 +39,7 @@
 //! # Idea
 //! Implicit Euler is `x[1] = x[0] + Δt v[1]` with `v[1] = v[0] + Δt M⁻¹ (f_ext − ∇E(x[1]))`. The second put into the
 //! first gives `M (x[1] − x̃)/Δt² = −∇E(x[1])` with `x̃ = x[0] + Δt v[0] + Δt² M⁻¹ f_ext`, the condition `∇G = 0` of a
-//! minimisation:
+//! minimisation (f_ext comes with the step and is constant while that is solved):
 //!
 //! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)`, `‖y‖²_M = yᵀ M y`.
 //!
@@ -61,9 +61,11 @@
 //! x, y and z alike, so it has a row per vertex and not three; it is factorised once, and an iteration costs the
 //! projections and one solve with the factor.
 //!
-//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring, rest area times
-//! the membrane modulus Y (N/m) for a triangle. (Equal springs on the alternating grid make Y = 4k/3.) It says what the
-//! step converges to, the same minimum that Newton's method finds; the number of iterations only says how near.
+//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring; rest area times
+//! the membrane modulus Y (N/m) for a triangle, so N m, as F has no dimension; D (N m) over an area, so N/m, for a
+//! hinge. It says what the step converges to, the same minimum that Newton's method finds; the number of iterations
+//! only says how near. The triangle stores ½ Y ‖F − U Vᵀ‖² per area: Lamé parameters μ = Y/2 and λ = 0, so modulus Y
+//! and a Poisson's ratio of 0. Equal springs on the alternating grid have Y = 4k/3 and a ratio of 1/3.
 //!
 //! | element | z = S x | its nearest p | w |
 //! |---|---|---|---|
@@ -77,9 +79,14 @@
 //!
 //! Why U clamp(Σ) Vᵀ is nearest: ‖F − P‖² = ‖F‖² − 2 F:P + ‖P‖², and F:P ≤ Σ σᵢ(F) σᵢ(P) (von Neumann), with equality
 //! for P with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F is 3 × 2, so
-//! there are no reflections to exclude. The bᵢ (1/m) are the gradients of the linear hat functions on the triangle at
-//! rest. The qᵢ of a hinge are cotangent weights at rest, so that ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and
-//! its fold θ without stretch; D is the bending rigidity, A₀ and A₁ are the areas of its triangles.
+//! there are no reflections to exclude. p is unique and continuous in z where z ≠ 0 (spring, curved hinge) and where F
+//! has rank 2 (triangle). Elsewhere it jumps, and any of the nearest p will do: E itself is continuous, and the bound
+//! below holds for each of them. The bᵢ (1/m) are the gradients of the linear hat functions on the triangle at rest.
+//!
+//! The qᵢ of a hinge are cotangent weights at rest, so that ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its
+//! fold θ without stretch; D is the bending rigidity, A₀ and A₁ are the areas of its triangles. For small θ a flat
+//! hinge stores ½ D e² θ²/(A₀ + A₁). A hinge curved at rest compares lengths only, so a fold by θ₀ to the wrong side
+//! costs nothing either.
 //!
 //! Both steps minimise, so `G` falls in every iteration with the whole matrix, from any start, without a line search:
 //! the frozen p bound the energy from above and touch it at x (majorise and minimise). For the same reason the gradient
@@ -108,10 +115,10 @@
 //!   If a direction fails, a plain iteration is taken.
 //! - **A coarse grid**, a two-level Galerkin preconditioner (Bramble, Pasciak, Xu 1990): the slow motions are smooth,
 //!   so a few hundred unknowns on a lattice of trilinear hat functions describe them (P is the prolongation, Pᵀ the
-//!   restriction, H the Hessian at the start of the step's iteration with its negative eigenvalues set to zero, `PᵀHP`
-//!   the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian becomes `A⁻¹ + P V Pᵀ`, V
-//!   a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`: an additive correction. A reduces
-//!   the rough part of the error, the grid the smooth part.
+//!   restriction, H the Hessian at the start of the step's iteration, the negative eigenvalues of each element set to
+//!   zero, `PᵀHP` the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian becomes
+//!   `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`: an additive
+//!   correction. A reduces the rough part of the error, the grid the smooth part.
 //!
 //! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add
 //! less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and
@@ -128,8 +135,8 @@
 //! | quasi-Newton | 0.440 | 2.59 |
 //! | quasi-Newton with a coarse grid of 12 cells | 0.4986 | 2.40 |
 //!
-//! When the smooth part is done the grid has done its work: the last digits take as many iterations with it as without,
-//! or more.
+//! Once the smooth part of the error is gone the grid helps no more: the last digits take as many iterations with it as
+//! without, or more.
 //!
 //! # Equations
 //! ```text
@@ -145,7 +152,7 @@
 //! The global step is often printed for x itself; for the displacement q (not the qᵢ of a hinge) it is the same
 //! equation. Neither positions nor predictions are subtracted, so free fall loses no digits, and a step so long that
 //! `M/Δt²` is rounded away ends where the held cloth is at rest. A prescribed vertex has q = u from the start, and no
-//! row and column in A.
+//! row and column in A (in the code those of the identity, so that a release does not change the pattern).
 //!
 //! `Σ w SᵀS` is positive semi-definite for weights ≥ 0, and M makes A positive definite.
 //!
@@ -164,7 +171,8 @@
 //! | L-BFGS (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs`, [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory) |
 //! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
 //! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
-//! | the prediction, the velocities and the loop | [`PdSolver`] |
+//! | u (`begin`) and, with it, x̃ | `objective.rs` |
+//! | the loop, the velocities | [`PdSolver`], `solver.rs` |
 //!
 //! `examples/first_program.rs` is the plain iteration from x̃, for x itself, as loops over arrays with a dense matrix,
 //! and compares itself with [`PdSolver`]. In the crate the local step is spread over several files: the formula of one
@@ -225,8 +233,8 @@
 //! the bending, about `200 n` for the rest of the objective, and for L-BFGS `100 n`, with `96 n` more for each pair. At
 //! 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 3 MB, 3 MB and, with two pairs, 5 MB.
 //! The factor is ordered by minimum degree or nested dissection, whichever takes less work. A large factor is cut into
-//! subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops
-//! are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
+//! subtrees of its elimination tree, which threads can solve side by side. All loops are compiled for wide registers
+//! too ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
 //!
 //! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first,
 //! which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so. What does not make an iteration faster
@@ -247,11 +255,17 @@
 //! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
 //! quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`. The crate `cloth-collide` has it:
 //! `PotentialContacts::builder(&mesh).obstacle(body, μ).friction(μ).build()?` once, then `.contacts(&mut contacts)` on
-//! every `StepInput`. `obstacle` takes the friction on a body, `friction` that of cloth on cloth, and self-collision is
-//! on unless `.self_collision(false)`. Friction is in C with the normal forces λ and planes of the start of the step
-//! (lagged, Li et al. 2020): μ λ f(‖u‖) of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a
-//! hundredth of the thickness, and stays there, so that friction has a potential too. Plain iterations become
-//! quasi-Newton iterations without pairs there, and Chebyshev's are left out, as extrapolation knows no bounds. Four
+//! every `StepInput`. `obstacle` takes the friction on a body, `friction` that of cloth on cloth, and self-collision
+//! is on unless `.self_collision(false)`. Friction is in C with the normal forces λ and planes of the start of the
+//! step (lagged, Li et al. 2020): μ λ f(‖u‖) of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a
+//! hundredth of the thickness, and stays there: friction has a potential, and never exceeds μ λ, with the λ of the
+//! start, which the step does not update. In a step with contact, plain and Chebyshev iterations are replaced by
+//! quasi-Newton iterations without pairs, because an extrapolated displacement cannot be bounded.
+//!
+//! Ly et al. (2020) instead leave the global matrix as it is, split it into its diagonal and the rest, and find the
+//! force on each vertex by Coulomb's law in the local step. Their contacts are at vertices, and their forces are those
+//! of no potential. Here a contact may be between a vertex and a triangle or two edges, and a line search sees it; the
+//! price is conjugate gradients in every solve. `contact.rs` has the order of an iteration, with the detection. Four
 //! things are particular.
 //!
 //! - **Contact stiffness is in the solve.** A is stiff where springs are and soft for smooth motions of the whole sheet
@@ -267,14 +281,14 @@
 //!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
 //!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
 //!   all is taken. The start `x[0] + Δt v[0]` is cut in the same way.
-//! - **Directions are trusted as far as steps have come.** A direction knows nothing of the contacts that it would only
-//!   make. Where cloth is light and soft it is many times as long as the cloth: detection then looks at all that could
-//!   touch on the way, and truncation vertex by vertex leaves nothing of its shape. So it is first shortened as a
-//!   whole, to at most twice what the step would be without elasticity; after that to twice what an iteration came to
-//!   that was cut below half of what it tried, and a step that only the radius has cut doubles it
-//!   ([`TrustRadius`](cloth_core::method::trust::TrustRadius)). A handkerchief on the corner of a table
-//!   (`cloth-bench/scenes/handkerchief.toml`) held 3.1·10⁻⁴ J more than it was given in its first four steps without,
-//!   where it was given 2·10⁻⁵ J, and seven times as long was spent on a step; with it, no more than it was given.
+//! - **A trust radius bounds each direction.** A direction does not account for contacts that are not active yet.
+//!   Where cloth is light and soft it can be many times as long as the cloth: detection then has all of that path to
+//!   search, and truncation vertex by vertex leaves nothing of its shape. So the whole direction is scaled down to the
+//!   radius first ([`TrustRadius`](cloth_core::method::trust::TrustRadius)). The radius begins at twice the longest
+//!   displacement of the step without elasticity; an iteration that is cut below half of what was tried shrinks it to
+//!   twice what it came to, one that only the radius has cut doubles it. Without it, a handkerchief on the corner of a
+//!   table (`cloth-bench/scenes/handkerchief.toml`) gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J
+//!   that it was given, and a step took seven times as long; with it, nothing beyond those.
 //! - **A step goes on until it is near enough**, as it does without contact, and more so because an impact changes the
 //!   problem while it is solved: up to [`PdConfig::most_iterations`], with twenty pairs in every step that is given
 //!   contacts, until what the iteration still has to move is a tenth of what forces have moved
@@ -286,10 +300,10 @@
 //!   itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.484 m, with 20 iterations at most 0.442 m; implicit
 //!   Euler 0.494 m. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
-//! Where pins move more is asked for: what a step leaves of their work stays as strain, and the next adds to it. A
-//! towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.019 J with implicit Euler; with ten
-//! iterations a step 0.36 J, with a tenth of what forces have moved 0.25 J, with the three hundredths that are asked
-//! for there 0.031 J.
+//! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps.
+//! A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.019 J with implicit Euler; with
+//! ten iterations a step 0.36 J, with a tenth of what forces have moved 0.25 J, with the three hundredths that are
+//! asked for there 0.031 J.
 //!
 //! So every accepted iterate, and the straight path from one to the next, is free of intersections. A sheet with 64
 //! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m (`cloth-bench/scenes/ball.toml`) is
@@ -318,19 +332,19 @@
 //!   give, so a cloth collapsed to a point unfolds; a triangle collapsed to a line or a point has singular vectors
 //!   chosen for it. A triangle without rest area has no weight, and is left out.
 //! - **No convergence is no error.** Without a tolerance the outcome is
-//!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where
-//!   `velocity_tolerance` or a failed line search in contact ends the step; it is `Converged` where forces in contact
-//!   balance to 10⁻⁸ or nothing can move. A step that ends at `most_iterations` counts as
-//!   [`unfinished`](cloth_core::step::StepReport::unfinished). With
-//!   [`PdConfig::tolerance`] the report has the residual.
+//!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where `velocity_tolerance` or a failed line search
+//!   in contact ends the step; it is `Converged` where forces in contact balance to 10⁻⁸, where the cloth flies freely
+//!   (with `iterations: None`) and where nothing can move. A step that ends at `most_iterations` counts as
+//!   [`unfinished`](cloth_core::step::StepReport::unfinished). With [`PdConfig::tolerance`] the report has the
+//!   residual.
 //!
 //! # Threads
 //! With the feature `parallel` (default) the vertices are cut into blocks of consecutive numbers. Each block visits the
 //! elements that touch it and adds to its own vertices only (owner computes), so no two threads write to the same place
 //! and no colouring is needed; an element on a border is computed twice. A family (all elements of one `.energy()`
 //! call) of fewer than 32 768 elements stays on one thread. The solve runs over independent subtrees of the elimination
-//! tree. Blocks and subtrees depend on the mesh alone, so results have the same bits on any number of threads, and
-//! without the feature.
+//! tree. Blocks and subtrees depend on the mesh alone, so results have the same bits on any number of threads
+//! (`threads_do_not_change_a_bit` in `tests/chapter/step.rs`), and without the feature.
 //!
 //! # Add an element
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Projective<N, K>` gives S, w
@@ -430,12 +444,12 @@
 //!   cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have,
 //!   and what should have bent is compressed (9 times the elastic energy with ten iterations, at 64 a side).
 //!
-//!   *Tried in vain*, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from
-//!   the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew;
-//!   hats that are quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal
-//!   as a third term of the initial inverse Hessian, on the vertices and on finer grids, which moves vertices out of
-//!   the cloth so far that the springs, which then stretch, take the energy away. A valley of `G` along which the cloth
-//!   bends is narrow and curved.
+//!   *Tried in vain*, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from the
+//!   step before, as they are (the steps then need line searches) or with their changes of gradient taken anew; hats
+//!   that are quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal as a
+//!   third term of the initial inverse Hessian, on the vertices and on finer grids, which moves vertices out of the
+//!   cloth so far that the springs, which then stretch, take the energy away. `G` has a narrow, curved valley along
+//!   which the cloth bends.
 //! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after
 //!   half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
 //! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])`: one that ends above
@@ -446,8 +460,8 @@
 //!   early they can feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a
 //!   point, on a line, mirrored, random, blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
-//!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, the first 10⁻² takes
-//!   32 iterations with it and 7 without any acceleration.
+//!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, an error of 10⁻²
+//!   takes 32 iterations with it and 7 without any acceleration.
 //! - Where it converges to is a stationary point of `G`, the solution of implicit Euler, with the numerical damping of
 //!   that. Where `G` has several (compressed cloth), which of them depends on the path.
 //! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing
@@ -455,10 +469,12 @@
 //!   full step. Angular momentum is not: implicit Euler does not conserve it, and an iteration cut short less so.
 //! - Only energies of the form above. Springs, stitches, hinges flat or curved at rest or on midpoints,
 //!   as-rigid-as-possible triangles, strain limits and attachments have it; an energy with a varying stiffness does
-//!   not.
+//!   not. Liu et al. (2017) go on to hyperelastic energies, with a w per element from the slope of its stress, which
+//!   shapes A alone. A plain iteration does not bound `G` with those, and they are not implemented here.
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
-//! - A matrix that has lost all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m` above some
-//!   10¹²) is reported as [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite), and not used.
+//! - A matrix in which elimination cancels all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m`
+//!   above some 10¹²) is reported as [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite), and
+//!   not used.
 //! - The residual compares with `‖∇G(x̃)‖`, in contact with `‖∇C(x)‖` if that is larger. Where that is rounding alone,
 //!   as for a cloth in free fall, no tolerance is met and all iterations are spent, without harm.
 //!
@@ -525,6 +541,8 @@
 //!   Graph. 34(6), 246, 2015, <https://doi.org/10.1145/2816795.2818063>.
 //! - T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time simulation of hyperelastic materials", ACM
 //!   Trans. Graph. 36(3), 23, 2017, <https://doi.org/10.1145/2990496>.
+//! - M. Ly, J. Jouve, L. Boissieux, F. Bertails-Descoubes, "Projective dynamics with dry frictional contact", ACM
+//!   Trans. Graph. 39(4), 57, 2020, <https://doi.org/10.1145/3386569.3392396>: another way to contact.
 //! - J. H. Bramble, J. E. Pasciak, J. Xu, "Parallel multilevel preconditioners", Math. Comp. 55, 1990,
 //!   <https://doi.org/10.1090/S0025-5718-1990-1023042-6>: sums of corrections on several grids.
 //! - M. Li et al., "Incremental potential contact", ACM Trans. Graph. 39(4), 49, 2020,

@@ -19,7 +19,7 @@ use std::fmt::Debug;
 /// Takes one entry of the matrix `Σ w SᵀS`: row, column, value (N/m).
 pub(crate) type EntrySink<'a> = dyn FnMut(u32, u32, Real) + 'a;
 
-/// Sums over all elements of one kind, with the kind forgotten.
+/// Sums over all elements of one type, behind a trait object.
 pub(crate) trait Projections: Debug + Send + Sync {
     /// Whether the projections are the same for all positions, so that the energy is quadratic.
     fn is_constant(&self) -> bool;
@@ -49,11 +49,11 @@ pub(crate) trait Projections: Debug + Send + Sync {
     fn add_stiffness(&self, x: &[Vec3], out: &mut [PaddedBlock]);
 }
 
-/// Where an element that was given is now.
+/// The state of an element that the caller gave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     At(u32),
-    /// It never had a weight, and nobody misses it.
+    /// It has no weight, and is not kept.
     Weightless,
     Removed,
 }

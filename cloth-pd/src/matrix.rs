@@ -5,7 +5,7 @@ use cloth_core::math::Real;
 use cloth_core::method::linear::{CholeskyError, FactorView, UpperPattern};
 use sprs::{CsMat, TriMat};
 
-/// A pivot below this part of its diagonal entry has lost all but a few of its digits.
+/// A pivot below this fraction of its diagonal entry has lost all but a few of its digits.
 pub(crate) const SMALLEST_PIVOT: Real = 1e-12;
 
 /// The numbers of A for a step of `dt` (s), in the order of its lower half.
@@ -98,7 +98,7 @@ fn add_diagonal(family: &dyn Projections, diagonal: &mut [Real]) -> bool {
 }
 
 /// A family is negligible below this fraction of the diagonal entries of the others. Its eigenvalues are then well
-/// below theirs: what it bends most is what they stretch most.
+/// below theirs: both matrices have their largest for the shortest waves.
 const NEGLIGIBLE: Real = 0.02;
 
 /// Row i of the lower half, read across, is column i of the upper half, read down.

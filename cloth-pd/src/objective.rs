@@ -101,7 +101,7 @@ impl Objective {
         }
     }
 
-    /// Takes notice of elements that are gone.
+    /// Sums the quadratic families anew, after elements were removed.
     pub(crate) fn refresh(&mut self) {
         self.quadratic = Quadratic::of(self.particles.len(), &self.families);
     }

@@ -1,5 +1,15 @@
 //! L-BFGS that starts from the constant matrix (T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time
 //! simulation of hyperelastic materials", 2017, algorithm 2), and its line search.
+//!
+//! *Pairs.* A step begins without any: another x̃ makes another `G`, and pairs of the step before made line searches
+//! necessary. A failed direction clears them too. Armijo's condition alone does not make yᵀs positive for a step s and
+//! its change y of the gradient; [`LimitedMemory`] leaves out a pair of which it is not, so B stays positive definite.
+//!
+//! *Line search.* Length 1 first; accepted where G has fallen by 10⁻⁴ ([`ARMIJO`]) of length times slope. The next
+//! length is where the parabola through both values and the slope has its minimum, but between a tenth and a half of
+//! the last; twelve are tried. A trial costs one evaluation of `G` and `∇G` (a local step) and no solve, and the
+//! accepted one is the evaluation that the next iteration needs. So an iteration that does not backtrack costs as much
+//! as a plain one, and the products with the pairs.
 
 use crate::coarse::CoarseGrid;
 use crate::contact::{Contact, ContactSystem};
@@ -13,30 +23,30 @@ use cloth_core::method::parallel::join;
 use cloth_core::method::trust::{TrustRadius, longest};
 use cloth_core::method::vectors::dot;
 
-/// Two values of `G` that differ by less than this part of their size cannot be told apart.
+/// Two values of `G` that differ by less than this fraction of their size cannot be told apart.
 pub(crate) const ROUNDING: Real = 1e-12;
-/// Part of the first slope that the slope at the new point may have, with either sign, where values cannot be told
+/// Fraction of the first slope that the slope at the new point may have, with either sign, where values cannot be told
 /// apart.
 const APPROXIMATE_WOLFE: Real = 0.9;
 /// Step lengths tried along one direction; each is at most half of the one before.
 const MAX_TRIALS: u32 = 12;
 /// Least number of pairs in a step with contact, which is stiff, and comes and goes.
 const CONTACT_HISTORY: usize = 20;
-/// First trust radius of a step with contact, over the longest displacement that it would have without elasticity: what
-/// is farther away is touched by a direction only, not by the cloth.
+/// First trust radius of a step with contact, over the longest displacement that it would have without elasticity:
+/// farther than that a direction may reach, but not the cloth.
 const FIRST_RADIUS: Real = 2.0;
-/// Where that is below this part of the first direction, elasticity or bodies alone move the cloth, and nothing is
-/// limited at first.
+/// Where that is below this fraction of the first direction, elasticity or bodies alone move the cloth, and the first
+/// radius is infinite.
 const ELASTIC: Real = 0.01;
 /// Factor on the radius after a step that only the radius has shortened.
 const RADIUS_GROWTH: Real = 2.0;
-/// A step that comes less far than this part of what was tried has been shortened.
+/// A step that comes less far than this fraction of what was tried shrinks the radius.
 const SHORTENED: Real = 0.5;
 
 /// The remembered pairs and the working memory.
 #[derive(Debug)]
 pub(crate) struct QuasiNewton {
-    /// Pairs that were requested for.
+    /// Pairs that were asked for.
     requested: usize,
     memory: LimitedMemory<f64>,
     work: Vec<Vec3>,

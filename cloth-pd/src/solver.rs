@@ -58,19 +58,19 @@ enum Method {
     QuasiNewton(Box<QuasiNewton>),
 }
 
-/// Iterations over which the fall of `G` is looked at.
+/// Iterations over which the fall of `G` is measured.
 const SPAN: usize = 5;
 /// Least number of iterations in a step that goes on until it is near enough, and the number in one that does not know.
 const LEAST: u32 = 10;
 /// Least number in a step with contact. After ten a strip that is pulled around a cylinder has not begun to slide, and
 /// holds 15 % longer than it should; after 30 less than 3 %.
 const LEAST_IN_CONTACT: u32 = 30;
-/// Part of the tolerance where nothing touches. Ten iterations a step leave a light, stiff sheet (0.3 m, 0.1 kg/m²,
-/// 4.8·10⁴ N/m, steps of 1/120 s) at half of its fall, with all of the tolerance it falls 0.6 to 1 times as far as it
-/// should, with this 0.9 to 1.1 times.
+/// Factor on the tolerance without active contacts. Ten iterations a step leave a light, stiff sheet (0.3 m, 0.1
+/// kg/m², 4.8·10⁴ N/m, steps of 1/120 s) at half of its fall, with all of the tolerance it falls 0.6 to 1 times as far
+/// as it should, with this 0.9 to 1.1 times.
 const FREE: Real = 0.5;
-/// Part of the tolerance where pins move: what is left of their work in a step stays as strain, and the next adds to
-/// it. With all of it a towel whose ends are turned takes 13 times the work that it should, with this 1.7 times.
+/// Factor on the tolerance where pins move: strain that a step leaves where a pin has pulled adds up over the steps.
+/// With all of it a towel whose ends are turned takes 13 times the work that it should, with this 1.7 times.
 const DRIVEN: Real = 0.3;
 
 impl Stepper for PdSolver {
@@ -138,8 +138,8 @@ impl PdSolver {
         &self.config
     }
 
-    /// Takes notice of what was changed since the last step. Gives how many coarse grids that took: one wherever a pin
-    /// or an element changed, since hats stand on what can move only.
+    /// Updates what depends on pins, elements and attachments changed since the last step. Returns how many coarse
+    /// grids were built for that: one if a pin or an element changed, since P has no rows for prescribed vertices.
     fn refresh(&mut self) -> u32 {
         let are_attachments_stale = std::mem::take(&mut self.are_attachments_stale);
         let is_stale = std::mem::take(&mut self.is_stale);
@@ -421,7 +421,7 @@ impl PdSolver {
             };
         }
         if let Some(contact) = contact {
-            // Moves nothing, but gets ready for the place.
+            // A motion of no length: it sets the candidates for the evaluation there.
             contact.limit(&self.feasible, &self.feasible)?;
         } else {
             self.free_components.align(Some(inertial), q);
@@ -432,7 +432,7 @@ impl PdSolver {
         if is_higher {
             std::mem::swap(&mut self.point, &mut self.fallback);
         } else if let Some(contact) = contact {
-            // Ready again for the place where the step ends, whose forces bodies get.
+            // The candidates for where the step ends again, whose forces bodies get.
             contact.limit(&self.point.positions, &self.point.positions)?;
         }
         Ok(is_higher)

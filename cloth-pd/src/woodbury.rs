@@ -185,7 +185,7 @@ impl WoodburyUpdate {
     }
 }
 
-/// A pivot below this part of the largest entry of its row has lost its digits.
+/// A pivot below this fraction of the largest entry of its row is rounding.
 const SMALLEST_PIVOT: Real = 1e-13;
 
 #[cfg(test)]

@@ -18,8 +18,8 @@ pub struct XpbdConfig {
     /// β (s): a force `−β k Ċ` along every row beside the elastic `−k C` (Rayleigh's form of XPBD's constraint
     /// damping). Zero, the default, costs nothing. A hard row cannot move and is not damped.
     pub damping: Real,
-    /// With `Some(τ)` a step that gains more than a part τ (dimensionless, above 0) of the energy in play is taken
-    /// again with twice as many substeps, up to eight times as many; see
+    /// With `Some(τ)` a step that would gain more than a fraction τ (dimensionless, above 0) of the largest energy so
+    /// far is repeated with twice as many substeps, up to eight times as many; see
     /// [steps that gain energy](crate#steps-that-gain-energy).
     /// `None`: nothing is computed for it.
     pub energy_gain: Option<Real>,

@@ -48,6 +48,12 @@
 //! the implicit Euler step and not near it, and so that elastic energies and hard constraints can stand in one
 //! system. Where no gradient turns the two end at the same place.
 //!
+//! **This residual in sweeps.** The first equation is the *primal* one, and its residual is what makes converged
+//! sweeps miss the implicit Euler step ([limits](crate#limits)): forces that do not balance where links turn. Chen et
+//! al. 2024 put it back into the row-by-row update, for rows of the energy ½ k C² and for general hyperelasticity. This
+//! crate has no such sweep: substeps shrink the gap with h, and Newton's method on all rows, here, removes it. Deul et
+//! al. 2018 solve XPBD's own system directly, along the tree of a rod.
+//!
 //! An iterate is accepted if a merit function falls (`direct/merit.rs`): `½ ‖x − x̃‖²_M` and, for each row, its elastic
 //! energy `½ C²/α̃` near C = 0, linear in |C| beyond. For a hard row only the linear part is left, a penalty.
 //!
@@ -62,10 +68,11 @@
 //! replaced by a block-diagonal upper bound. GMRES is not offered: on a symmetric matrix it makes the iterates
 //! of MINRES, and keeps all directions to do so.
 //!
-//! Numbers in the factor (before a colon), iterations, and solves with it or Krylov iterations (after a comma), of one
-//! step of 1/60 s to 1e-6 of the size: a chain of 100 rigid links, 1 m long in all, and 10 g a vertex with a tip of 10
-//! kg, hanging; the same turning at 3 rad/s; without the tip; a sheet of 17 × 17 vertices held by two corners (0.2
-//! kg/m², 10⁴ N/m, 10⁻⁵ N m), with springs and hinges:
+//! The cost of one step of 1/60 s to 1e-6 of the size, written `numbers in the factor: iterations, linear solves`, and
+//! `iterations, Krylov iterations` where there is no factor (`tests/all/direct/systems.rs`). The scenes: a chain of 100
+//! rigid links, 1 m long in all, and 10 g a vertex with a tip of 10 kg, hanging; the same turning at 3 rad/s; turning
+//! without the tip; a sheet of 17 × 17 vertices held by two corners (0.2 kg/m², 10⁴ N/m, 10⁻⁵ N m), with springs and
+//! hinges:
 //!
 //! | system | hanging chain | turning, heavy tip | turning, equal masses | sheet |
 //! |---|---|---|---|---|
@@ -78,17 +85,35 @@
 //!   smaller factor, since a sheet has some 12 rows for the 3 coordinates of a vertex.
 //! - **Dual by Cholesky** where rows hardly turn in a step and are fewer than coordinates: chains near rest.
 //!   Its factor is then a quarter.
-//! - **Krylov methods** where no factor fits into memory. In the table they take 100 to 1,400 iterations for each of
-//!   the step; a heavy tip that turns doubles those of MINRES (1,127 for 530), not those of conjugate gradients (125
+//! - **Krylov methods** where no factor fits into memory. In the table each iteration of the step takes 100 to 1,400
+//!   of theirs; a heavy tip that turns doubles those of MINRES (1,127 for 530), not those of conjugate gradients (125
 //!   for 100).
+//!
+//! # Direct or sweeps
+//! What one step to 1e-6 of the size costs (medians of 60 steps, one thread of an Intel Xeon that did other work too,
+//! commit e6a6660), and how many substeps of one sweep [`XpbdSolver`](crate::XpbdSolver) makes in that time. Links of
+//! 5 cm and 10 g fall from the horizontal: `cloth-bench run chain --n 100 --steps 60 --threads 1 --set stiffness=1e6
+//! --set tip_mass=10 --method xpbd-direct` (equal masses: `tip_mass=0.01`), the same with `--method xpbd --set
+//! substeps=200 --set energy_gain=none`, and both methods on `hang --n 17`:
+//!
+//! | scene | direct (ms) | iterations | substeps in that time |
+//! |---|---|---|---|
+//! | 24 links, equal masses | 0.087 | 4 | 350 |
+//! | 24 links, tip 1000 times as heavy | 0.23 | 8 | 920 |
+//! | 100 links, equal masses | 0.44 | 5 | 470 |
+//! | 100 links, tip 1000 times as heavy | 1.04 | 7 | 1100 |
+//! | sheet, 17 × 17 | 76 to 134 | 12 | 5000 to 10 000 |
+//!
+//! With the heavy tip 200 substeps strain the 100 links by up to 1.2 % at the end, 2000 by 0.41 %, as 20 000 do. So for
+//! a chain the direct solver is the cheaper one where sweeps need a thousand substeps; for cloth it is a reference.
 //!
 //! # Geometric stiffness
 //! `J(x)ᵀλ` turns with the cloth. An iteration without that term, H = M, applies the forces of the step in the
 //! directions that the links had before it, as an explicit method does: a light vertex of mass m between links
 //! of length l under a tension T swings sideways with up to `ω² = 4T/(m l)`, and beyond `hω = 2` one solve a
 //! step is unstable, however stiff the links and however exact the solve. With `−Σ λ ∂²C` in H, made positive
-//! semi-definite, it is stable (Tournier et al. 2015). Ours is the full matrix, not the stiffness of each
-//! vertex alone. With `warm_start` the first step, which has no λ to start from, makes one solve more, without moving.
+//! semi-definite, it is stable (Tournier et al. 2015). The primal–dual systems take all its blocks, not only the
+//! diagonal ones. With `warm_start` the first step has no λ to start from, and solves once more to find one, unmoved.
 //!
 //! # Contact
 //! Contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints)) are no part of the
@@ -128,6 +153,13 @@
 //!   is a border case: no λ bends it, its lengths come to some 1e-7 m and the step does not converge. The
 //!   Krylov methods have no such protection; the line search may refuse their directions.
 //! - With [`DirectConfig::warm_start`] a step depends on the one before it.
+//!
+//! # References
+//! Macklin et al. 2016, Servin et al. 2006 and Tournier et al. 2015 are with [the crate](crate#references).
+//! - Y. Chen, Y. Han, J. Chen, S. Ma, R. Fedkiw, J. Teran, "Primal residual reduction with extended position based
+//!   dynamics and hyperelasticity", Computers & Graphics 2024, <https://doi.org/10.1016/j.cag.2024.103902>.
+//! - C. Deul, T. Kugelstadt, M. Weiler, J. Bender, "Direct position-based solver for stiff rods", Computer Graphics
+//!   Forum 37 (6), 2018, <https://doi.org/10.1111/cgf.13326>.
 
 mod config;
 

@@ -9,11 +9,11 @@
 //! ```
 //!
 //! with `E = ½ Σ k C²` over all rows of finite stiffness. (A hard row stores nothing.) XPBD loses energy in most steps,
-//! so a gain is a sure sign. Gains are added up over the steps and losses taken off, but the sum is never below zero. A
-//! step that gains and brings the sum above a part τ of the most energy that has been in play is taken again, from its
-//! start, with twice as many substeps, and the next one begins with as many. Where the sum is below half of that, the
-//! next one tries half as many. If over 0.8 of the gain is left, more substeps do not help, and the step is taken. In
-//! play is the largest, so far, of K + E before a step, with the work given in it or without.
+//! so a gain is a sure sign. Gains are summed over the steps and losses taken off, but the sum is never below zero. A
+//! step that adds to the sum and lifts it above τ times the scale of energy is repeated from its start with twice as
+//! many substeps, and the next one begins with as many. Where the sum is below half of that bound, the next one begins
+//! with half as many. If over 0.8 of the gain is left, more substeps do not help, and the step is accepted. The scale
+//! is the largest, so far, of K + E before a step, with the work given in it or without.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::rounding_energy;
@@ -32,7 +32,7 @@ const CALM: Real = 0.5;
 pub(crate) struct Refinement {
     /// τ (dimensionless).
     tolerance: Real,
-    /// The most energy (J) that has been in play in a step.
+    /// The scale of energy (J): the largest so far.
     in_play: Real,
     /// What the last steps have gained (J), less what was lost after it.
     gained: Real,
@@ -85,7 +85,7 @@ pub(crate) fn kinetic(inverse_mass: &[Real], velocities: &[Vec3]) -> Real {
     free.map(|(w, v)| 0.5 * v.norm_squared() / w).sum()
 }
 
-/// Work (J) of gravity and loads on the way from `state` to `x` (m), and what rounding may add.
+/// Work (J) of gravity and loads along the displacement from `state` to `x` (m), and what rounding may add.
 pub(crate) fn external_work(
     inverse_mass: &[Real],
     state: &State,

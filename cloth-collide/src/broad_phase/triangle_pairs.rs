@@ -59,8 +59,8 @@ impl TrianglePairs {
         Ok(())
     }
 
-    /// Hands `visit` every pair of triangles a < b whose boxes, at the last positions, are nearer than the distance whose
-    /// square is `limit` (m²), which `visit` may lower on the way.
+    /// Hands `visit` every pair of triangles a < b whose boxes, at the last positions, are nearer than the distance
+    /// whose square is `limit` (m²), which `visit` may lower on the way.
     pub(crate) fn visit_within(&self, limit: &Cell<Real>, mut visit: impl FnMut([u32; 2])) {
         self.broad_phase.visit_near(limit, |a, b| visit([a, b]));
     }

@@ -48,8 +48,8 @@ pub(super) fn steady<const K: usize>(feature: Feature, x: &[Vec3; K]) -> Option<
 /// - An edge e: e × q, where q is across e and the vector to it, now. It stays across e at all times.
 /// - A corner: the vector to it.
 ///
-/// The sign is that of `facing`, which is asked about the direction at the start. Most are of no use there already, and
-/// what comes after it is left for later.
+/// The sign is that of `facing`, which is asked about the direction at the start. Most directions fail there already,
+/// so the coefficients at later times are computed after it.
 pub(super) fn moving<S: Number, const K: usize>(
     feature: Feature,
     x: &[Triple<S>; K],

@@ -29,8 +29,8 @@ impl EdgeEdge {
 ///
 /// s = n · (v × d) / n²,  t = v · (d + s u) / v².
 ///
-/// For the shortest connection is across both, d + s u − t v = z n: v times this is v × d − s n = z v × n, whose
-/// product with n is 0; and the product of v with it is v · (d + s u) − t v² = 0.
+/// For the shortest connection is at right angles to both, d + s u − t v = z n. The cross product of v with it is
+/// v × d − s n = z v × n, whose dot product with n is 0; and the dot product of v with it is v · (d + s u) − t v² = 0.
 ///
 /// If both lie in 0..=1 that is the answer. Otherwise an end of one of the edges takes part, and
 /// the best of the four pairs (end, other edge) is it. This is the region walk of Ericson (2005), section

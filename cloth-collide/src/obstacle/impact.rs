@@ -11,7 +11,7 @@ use cloth_core::math::{Real, Vec3};
 /// Δuₙ = −(1 + e) uₙ,  Δuₜ = −min(μ Δuₙ / ‖uₜ‖, 1) uₜ:
 ///
 /// the impulse stays in the friction cone, and friction stops but never turns round. With the mass m of the vertex, the
-/// impulse is m Δu, in both directions: the obstacle receives −m Δu, which moves it no more than anything else does.
+/// impulse on it is m Δu. The obstacle receives −m Δu, but keeps its velocity: its motion is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactLaw {
     friction: Real,

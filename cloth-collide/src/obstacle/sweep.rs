@@ -67,8 +67,9 @@ const MOST_EVALUATIONS: u32 = 512;
 ///
 /// - f(t + s) ≥ f − Λ S s;
 /// - f(t + s) ≥ f − Λ (‖u‖ s + ½ A s²): each evaluation leaves 1 − cos (angle of impact) of the distance;
-/// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex. It is Newton's method coming from the safe side: for straight paths
-///   without rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a few.
+/// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex and Λ = 1. It is Newton's method coming from the safe side: for
+///   straight paths without rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a
+///   few.
 ///
 /// So the time is never late: the vertex is not inside before. It is zero only if the start is in contact. For shapes
 /// that are not convex, a vertex that grazes the surface for long spends the evaluations and stops early, see

@@ -13,7 +13,8 @@ const SLACK: Real = 0.2;
 const EARLY: Real = 0.1;
 /// Distances below this part of the coordinates cannot be relied on: positions on the path are rounded.
 const ROUNDING: Real = 64.0 * Real::EPSILON;
-/// Times that ways are shortened one by one, each because of what was shortened beside it, before all are together.
+/// Rounds in which paths are shortened one by one, each because of a neighbour's in the round before. After that all
+/// are shortened alike.
 const ROUNDS: u32 = 20;
 
 impl NearPairs {

@@ -3,7 +3,7 @@
 //! In each (sub)step a body moves on as its momentum says, the cloth feels it as it feels any moving body, and the
 //! impulses of contact on the cloth are taken off the momentum of the body at the end. So the two have their momentum
 //! together, whatever the method, its iterations and the step. The coupling is staggered: a step has to resolve the
-//! frequency of the body on the contact ([`RigidBody::highest_frequency`]), or the body trembles.
+//! frequency of the body on the contact ([`RigidBody::highest_frequency`]), or the body shows ringing.
 
 use super::rows::Rows;
 use super::source::Contacts;
@@ -26,8 +26,8 @@ pub(super) struct FreeBody {
     pub(super) stop: [Vec3; 2],
     /// What that has changed of its velocities (m/s, rad/s) so far.
     pub(super) change: [Vec3; 2],
-    /// By how far (m) the push of the cloth in the last step would have changed its way in that step: it has moved before
-    /// the cloth.
+    /// By how far (m) the push of the cloth in the last step would have changed its displacement in that step: it has
+    /// moved before the cloth.
     pub(super) pushed: Real,
     /// Whether it stays where it is in this step.
     pub(super) is_halted: bool,

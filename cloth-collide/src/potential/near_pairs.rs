@@ -1,9 +1,9 @@
 //! Which pairs can be near each other on a path that a method is about to take, chosen again only when it has gone
 //! elsewhere.
 //!
-//! Patches of the cloth know what can touch between two of them, until they have moved too far relative to each other.
-//! Of those pairs the ones are evaluated that can come as near as the thickness on the path that is being looked at,
-//! and a little beyond it.
+//! For each two patches of the cloth there is a list of the pairs that can touch, complete until the two have moved too
+//! far relative to each other. Of these, only the pairs are evaluated that can come as near as the thickness on the
+//! path in question, and a little beyond it.
 
 use super::near::Near;
 use super::pair::PairContact;
@@ -192,8 +192,8 @@ impl NearPairs {
         });
     }
 
-    /// A lower bound (m) on the signed distance of a vertex at `x` (m) from an obstacle, by what was known of it when it
-    /// was asked last.
+    /// A lower bound (m) on the signed distance of a vertex at `x` (m) from an obstacle, by what was known of it when
+    /// it was asked last.
     pub(super) fn known_distance(
         &self,
         [vertex, number]: [usize; 2],

@@ -1,15 +1,16 @@
 //! Which pairs can touch in a substep, from bounds on the relative motion of patches of the cloth.
 //!
-//! A patch is some tens of neighbouring triangles. It is known by its centre c, the mean of its vertices, and by its
-//! spread s: how far a vertex has gone at most besides the centre since the patch was last looked at, and before that
-//! from one look to the next. Since a moment 0, two points of patches p and q have moved relative to each other by no
-//! more than
+//! A patch is at most 32 neighbouring triangles. Its motion is described by its centre c, the mean of its vertices, and
+//! by its spread s (m): how far a vertex has moved relative to the centre, at most, since reference positions of the
+//! patch were taken, plus the same for each time that they were taken before. Since a moment 0, two points of patches p
+//! and q have moved relative to each other by no more than
 //!
 //! ‖(c_p − c_q) − (c_p − c_q)₀‖ + (s_p − s_p₀) + (s_q − s_q₀).
 //!
-//! So pairs of primitives, found once with some room and sorted by what they lack to contact, need no look as long as
-//! this is less than the room, and of those that are known only the first ones do. Patches that fly together cost
-//! nothing, whatever their common motion.
+//! Detection between two patches finds all pairs of primitives nearer than h plus a motion bound (`room` in the code),
+//! and sorts them by d − h. As long as the expression above is less than the bound, the list is complete, and only the
+//! pairs at its beginning, with d − h below the expression, can touch. The common motion of two patches cancels in
+//! c_p − c_q, so cloth that flies as a whole needs no detection.
 
 mod between;
 mod detect;
@@ -333,9 +334,9 @@ impl Patches {
         self.then.spreads[p] = self.now.spreads[p] + self.displacements[p];
     }
 
-    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and hands `visit` those that the motion
-    /// can bring into contact: all if the substep `begins`, and what it has not seen if the motion has become another
-    /// one. Returns false if a path is longer than some edges, which needs more room than patches have.
+    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and hands `visit` those that the
+    /// motion can bring into contact: all if the substep `begins`, and what it has not seen if the motion has become
+    /// another one. Returns false if a path is longer than some edges, which needs more room than patches have.
     pub(super) fn look(
         &mut self,
         near: &Near,

@@ -1,6 +1,11 @@
 //! What a step took of a method that projects positions.
 
 /// What the last step took.
+///
+/// `violated`, `shortened` and `zones` tell whether the substeps were short enough. A violated pair is one that sweeps
+/// have left nearer than a tenth of its distance (or of its range), and gets more of them. Vertices whose path is
+/// shortened, and zones, which are rigid for a substep, are where they are for safety and not because of a force:
+/// momentum and friction are then not those of the model. Shorter substeps or more sweeps have fewer of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConstraintReport {
     /// Searches for pairs of patches.

@@ -27,7 +27,7 @@ use super::source::Contacts;
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
 
-/// What is looked at beyond the motion (in thicknesses).
+/// Allowance for motion beyond the predicted one in detection (in thicknesses).
 pub(super) const SLACK: Real = 0.05;
 /// The part of its distance, or of its range where that is less, that a pair keeps in a substep.
 pub(super) const KEPT: Real = 0.1;
@@ -37,7 +37,7 @@ pub(super) const LEAST: Real = 0.05;
 /// Rounds of sweeps without compliance, and sweeps in each.
 const REPAIRS: u32 = 3;
 const REPAIR_SWEEPS: u32 = 5;
-/// Rounds in which ways are halved, and rounds in all before zones take over.
+/// Rounds in which paths are halved, and rounds in all before zones take over.
 const HALVINGS: u32 = 3;
 const ROUNDS: u32 = 12;
 

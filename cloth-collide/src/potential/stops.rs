@@ -1,15 +1,15 @@
 //! What stops a body that the cloth pushes: held vertices, and other bodies.
 //!
-//! Nothing of that gives way, so no row of the cloth keeps the two apart: the velocity of the body has to. Before a
-//! (sub)step of Δt, points of the one are looked at on the way through the distance φ of the other, and where φ would
-//! fall below min(d, φ₀), with a distance d to keep and φ₀ at the start, the body gets the impulse λ n
-//! (N·s) with
+//! These do not give way, so the velocity of the body has to change. Before a (sub)step of Δt, points of the one are
+//! followed on their path through the distance φ of the other. Where φ would fall below min(d, φ₀), with a distance d
+//! to keep and φ₀ at the start, the body gets the impulse λ n (N·s) with
 //!
 //! n·(K λ n) = (min(d, φ₀) − φ)/τ, λ ≥ 0, K = 1/m − \[r\]ₓ J⁻¹ \[r\]ₓ
 //!
 //! at the time τ at which that is first seen, all of them together by projected Gauss–Seidel sweeps, and again until
-//! nothing is seen: a perfectly inelastic impact without friction. Each is a projection, in the norm of the kinetic
-//! energy, onto motions among which standing still is, so bodies get no energy from what does not move. Source:
+//! nothing is seen: a perfectly inelastic impact without friction. Each impulse is a projection, in the norm of the
+//! kinetic energy, onto the motions that keep the distance. Rest is one of them where the obstacle is at rest, so the
+//! body gains no energy from it. Source:
 //! Guendelman et al. 2003 (see the [chapter](super#references)).
 
 use super::free::{FreeBodies, FreeBody};

@@ -226,7 +226,7 @@ impl PotentialContacts {
         })
     }
 
-    /// By how far (m) the cloth has pushed a body from the way on which it has moved in the last step, of a method that
+    /// By how far (m) the cloth has pushed a body off the path on which it has moved in the last step, of a method that
     /// minimises: the body moves before the cloth, and takes up its push after it. Where that is more than the
     /// thickness, the cloth has felt a body that is not where it would be, and the step is better taken back
     /// ([`PotentialContacts::take_back`]) and taken again as shorter ones. 0 of methods that project positions.

@@ -43,7 +43,8 @@ impl Smoother {
         }
     }
 
-    /// Lets every vertex with an inverse mass, so many times, go half with the mean `displacements` of its neighbours.
+    /// Replaces, in each of so many rounds, the displacement of every free vertex by the mean of it and of the mean of
+    /// its neighbours' `displacements`.
     pub(super) fn smooth(
         &mut self,
         displacements: &mut [Vec3],

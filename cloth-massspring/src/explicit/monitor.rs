@@ -1,9 +1,9 @@
 //! Notices that a run is unstable before its numbers are nonsense.
 //!
-//! Two signs. The step is beyond the stable one: known before any harm is done, but only as well as the estimate is
-//! fresh. The cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W`, with `W` the work of gravity, load,
-//! pins and moving bodies; exact solutions obey, and a run that breaks it by a large factor has blown up, whatever the
-//! reason.
+//! Two signs. The step is beyond the stable one: known before any harm is done, but only as well as the last estimate
+//! still holds. Or the cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W`, with `W` the work of
+//! gravity, load, pins and moving bodies; exact solutions obey, and a run that breaks it by a large factor has blown
+//! up, whatever the reason.
 //!
 //! The account goes on where contact has changed the end of a step. Contact with what does not move takes energy or
 //! leaves it, so all that contact is credited with is the work of bodies ([`ContactSource::work`]): stretch that it
@@ -102,7 +102,7 @@ impl StabilityMonitor {
         Ok(())
     }
 
-    /// A step has failed: what comes next is another story.
+    /// A step has failed: the next one starts a new account.
     pub(super) fn reset(&mut self) {
         self.left = None;
     }

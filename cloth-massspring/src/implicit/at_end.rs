@@ -1,16 +1,19 @@
 //! Contact at the end of a step whose stage is solved for its middle.
 //!
-//! What touches has to be known where the cloth will be, `x[1] = 2x − x[0]`, not in the middle. And contact is to take
-//! up motion: a force in the middle would throw back what it stops, as the midpoint rule keeps all energy. So what is
-//! new of the force f of contact acts over the whole step, as in implicit Euler, and only what the forces at the ends
-//! of the last two steps have in common, f[0], as all other forces do, so that what rests stays at rest:
+//! Contact has to be detected where the cloth will be, `x[1] = 2x − x[0]`, not in the middle. And it is to be
+//! inelastic: a force in the middle would throw back what it stops, since the midpoint rule keeps all energy. So the
+//! force of contact, f, is split. The lasting part f[0], what the forces at the ends of the last two steps have in
+//! common, acts like all other forces, so that what rests stays at rest. The new part f(x[1]) − f[0] acts over the
+//! whole step, as in implicit Euler:
 //!
 //! ```text
 //! v[1] = v[0] + Δt M⁻¹ (f_other((x[0] + x[1])/2) + f(x[1]))
 //! x[1] = x[0] + ½ Δt (v[0] + v[1]) + ½ Δt² M⁻¹ (f(x[1]) − f[0])
 //! ```
 //!
-//! That is the stationary point in x of the midpoint's objective, `E_contact(2x − x[0])` and `f[0]·x` together.
+//! The x of that is the stationary point of the midpoint's objective plus `E_contact(2x − x[0]) + f[0]·x`, whose forces
+//! are `2 f(x[1]) − f[0]`. The velocity that follows from it has one `Δt M⁻¹ (f(x[1]) − f[0])` too many, which
+//! `take_half` takes away.
 
 use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactStep, GlobalRows};
 use cloth_core::math::{Real, Vec3};

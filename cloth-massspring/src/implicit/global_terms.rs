@@ -1,5 +1,5 @@
-//! Parts of the Hessian that couple many vertices, such as the volume of a closed piece, around an inverse that does
-//! not know of them.
+//! Parts of the Hessian that couple many vertices, such as the volume of a closed component, added to an inverse of the
+//! rest.
 //!
 //! With an inverse P of the rest, `(P⁻¹ + k g gᵀ)⁻¹ r = P r − z (g·P r)/(1/k + g·z)`, where `z = P g` (Sherman,
 //! Morrison 1950, <https://doi.org/10.1214/aoms/1177729893>). Of several parts each takes those before it for the rest.

@@ -14,7 +14,7 @@ const SLOPE: Real = 0.8;
 /// Step lengths tried before giving up. Each is at most half of the one before.
 const MOST_TRIALS: u32 = 50;
 
-/// A point on the way, and what is known there.
+/// An iterate, with value and gradient.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Point {
     /// Positions (m).
@@ -74,8 +74,9 @@ fn place(from: &Point, direction: &[Vec3], length: Real, to: &mut Point) {
     }
 }
 
-/// Moves `to` along a direction of negative `curvature` (N/m) from a stationary point, as far as `G` falls like the
-/// parabola that the curvature promises, and evaluates it there. Returns whether `G` falls at all.
+/// Moves `to` along a direction of negative `curvature` (N/m) from a stationary point, and evaluates it there: the
+/// first length, halved each time, at which `G` has fallen by half of what the parabola of that curvature,
+/// `½ curvature t²`, promises. Returns whether there is one.
 pub(super) fn leave_saddle(
     stage: &Stage<'_>,
     from: &Point,
@@ -83,7 +84,7 @@ pub(super) fn leave_saddle(
     curvature: Real,
     to: &mut Point,
 ) -> bool {
-    // Any length will do that is neither lost in rounding nor beyond the hollow that the direction leads to: from the
+    // Any length will do that is neither lost in rounding nor beyond the valley that the direction leads to: from the
     // largest coordinate down.
     let size = |v: &[Vec3]| v.iter().map(Vec3::amax).fold(0.0, Real::max);
     let mut length = size(&from.positions) / size(direction);

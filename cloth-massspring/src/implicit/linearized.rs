@@ -1,8 +1,8 @@
 //! The function of a stage with its elastic part linearised at one place, for a step that does so once and still has to
 //! feel contact.
 //!
-//! The cloth takes part as the quadratic function `gᵀp + ½ pᵀH p` of its way p; contact, which it may not know of where
-//! it starts, as it is.
+//! The cloth takes part as the quadratic function `gᵀp + ½ pᵀH p` of its displacement p; contact is not linearised,
+//! since what the cloth meets during the step need not touch it where it starts.
 
 use super::line_search::Point;
 use cloth_core::math::{Real, Vec3};

@@ -19,25 +19,25 @@ use cloth_core::step::{BuildError, Observer, Outcome, StepError, StepReport};
 /// Where no lower point is found, the gradient counts as lost in rounding up to this multiple of the estimate of
 /// [`Stage::rounding`]; above, it is an error.
 pub(super) const STALL: Real = 100.0;
-/// There a step that is shortened below this part of itself counts as none.
+/// With a gradient that small, a step length below this counts as no step.
 pub(super) const LOST: Real = 1e-3;
 /// Relative gradient norm below which Newton's method finishes, where a tolerance asks for less: it converges
 /// quadratically there, down to rounding, the quasi-Newton method linearly.
 const FINISH: Real = 1e-5;
 /// The same as a multiple of the estimate of rounding: one Newton step from there ends well below it.
 const LEFT: Real = 1e4;
-/// A start that gives off much energy, cloth crushed to a point for instance, is compared with this part of the
-/// velocity that it would make.
+/// Where much energy is released after the start, as from cloth crushed to a point, the decrement is compared with at
+/// least this fraction of the velocity that the energy would make.
 const VIOLENT: Real = 1e-3;
 /// A step whose cloth is linearised is good enough once the true function has gone down by this part of what the
 /// linearised one has (the ratio of trust-region methods: Nocedal and Wright, *Numerical Optimization*, 2006, (4.4)).
-/// On a sheet of 64 x 64 vertices that falls on a ball 0, 0.1, 0.5, 0.75, 0.9 take 20, 30, 32, 37, 39 linearisations in
-/// 20 steps and leave 3.9, 0.97, 0.97, 0, 0.02 J from nowhere; it falls 0.18, 0.25, 0.27, 0.31, 0.32 m, converged 0.32.
+/// With less, a sheet that falls on a ball gains energy (`cloth-bench/doc/results.md`); with more it is linearised more
+/// often for the same fall.
 const KEPT: Real = 0.75;
 /// Linearisations in a step, at most.
 const MOST_LINEARIZATIONS: u32 = 8;
 
-/// Part of a direction below which contact stalls the whole cloth.
+/// Fraction of a direction below which one step length for all vertices is given up for one each.
 const STALLED: Real = 0.01;
 /// Factor on the trust radius after a step to its end that has not been shortened.
 const RADIUS_GROWTH: Real = 4.0;
@@ -56,7 +56,7 @@ pub(super) struct Minimizer {
     quasi_newton: Option<QuasiNewton>,
     /// Made when it is first needed.
     pub(super) newton: Option<NewtonSystem>,
-    /// Where the cloth is linearised, and room for a way from there (m), where it is and contact is felt.
+    /// Where the cloth is linearised, and scratch for a displacement from there (m); with contact only.
     linearized: Option<(Point, Vec<Vec3>)>,
     /// Where each vertex is followed as far as it can go alone: the parts (dimensionless), and the displacements (m).
     parts: Vec<Real>,
@@ -121,9 +121,9 @@ impl Minimizer {
         })
     }
 
-    /// Begins contact, which takes the current positions (m) back, or leads them around what moves. Where that strains
-    /// the cloth so much that it would better have stayed where it was, contact leads it from there: in cloth that lands
-    /// while something moves, some vertices are stopped and others fly on, and what is between would be torn.
+    /// Begins contact, which truncates the displacement to the current positions (m), or leads it around what moves. In
+    /// cloth that lands while something moves that stops some vertices and not others, and stretches what is between:
+    /// where `G` is then larger than at the start of the step, the start of the step is where contact begins instead.
     pub(super) fn begin_contact(
         &mut self,
         stage: &Stage<'_>,
@@ -424,8 +424,8 @@ impl Minimizer {
         }
     }
 
-    /// Shifts cloth that nothing holds to where gravity takes it, if that is a free way and leads down: cloth that
-    /// falls without touching anything is there then.
+    /// Shifts cloth that nothing holds to where gravity takes it, if nothing is in between and `G` falls: cloth that
+    /// falls without touching anything is then solved.
     fn fall_together(
         &mut self,
         method: &mut QuasiNewton,

@@ -1,8 +1,8 @@
-//! Whether an iteration that converges linearly is going to arrive in time.
+//! Whether an iteration that converges linearly will reach its tolerance within a bearable number of iterations.
 
 use cloth_core::math::Real;
 
-/// Iterations between two looks at how far it has come.
+/// Iterations between two comparisons.
 const WINDOW: u32 = 100;
 /// More iterations than this, at the rate of the last two windows, are too many: Newton's method takes over.
 const TOO_FAR: Real = 1000.0;

@@ -19,8 +19,8 @@ use std::sync::Arc;
 const MIXED: u32 = 4;
 /// Iterations after which the matrix is taken anew.
 const REFRESH: u32 = 8;
-/// Part of a direction below which a step in contact counts as cut short, and so many of those after which directions
-/// are those of the truncated Newton method.
+/// Fraction of a direction below which a step in contact counts as cut short, and the number of such steps after which
+/// directions are those of the truncated Newton method.
 const SHORT: Real = 0.25;
 const MOST_CUT: u32 = 5;
 /// Largest stiffness of a contact, over the largest diagonal block of the cloth: beyond, a cycle in single precision
@@ -215,7 +215,7 @@ impl QuasiNewton {
         }
     }
 
-    /// Takes notice of a step that is no part of its direction: the pairs before it do not belong to what follows.
+    /// Takes notice of a step that is no multiple of its direction: drops the pairs, whose secants it has left.
     pub(super) fn forget(&mut self) {
         self.history.clear();
         self.cut += u32::from(self.global.is_empty());

@@ -2,10 +2,10 @@
 //! (S. G. Nash, "A survey of truncated-Newton methods", J. Comput. Appl. Math. 124, 2000,
 //! <https://doi.org/10.1016/S0377-0427(00)00426-X>).
 //!
-//! One cycle is a good direction where nothing touches. In contact it is not: what it leaves of the residual is mostly
-//! where cloth and contact share the load, and there a little of it goes far into what is near. The line search then
-//! takes a twentieth of the direction, and the iterations are a thousand. A solve to a tenth costs some ten
-//! cycles, needs no search for what is near, and leaves a fifth to a twentieth of the iterations.
+//! One cycle is a good direction where nothing touches. In contact it is not: the residual that it leaves is largest
+//! where cloth and contact share the load, and there a small error of the direction runs far into what is near, so that
+//! contact cuts the step. A solve to a tenth costs several cycles, but no contact detection, and the directions that
+//! come out can be followed farther.
 
 use super::global_terms::GlobalTerms;
 use cloth_core::contact::ContactRow;

@@ -37,8 +37,7 @@ impl Constraint<2> for Tether {
 /// multiplier that pulls where the link would be longer, pushes where it would be shorter, and is zero between.
 ///
 /// A link that is short, as where cloth folds between two coarse vertices, may stay short; but the correction
-/// itself does not make links shorter. Links that only pull, by turns, would draw the cloth together sideways,
-/// and nothing on their level would draw it apart again.
+/// itself does not make links shorter; why, says [`Hierarchy`](super::Hierarchy).
 #[derive(Clone, Copy, Debug)]
 pub(super) enum TetherUpdate {
     /// Stores the lengths of the links.
@@ -68,7 +67,7 @@ impl ConstraintUpdate for TetherUpdate {
             }
             Self::Project(fraction) => {
                 // λ ← min(0, λ − C/w̃), and where that is 0, λ ← max(0, λ − (C − C₀)/w̃) with C₀ ≤ 0 where it was
-                // shortest; all times w̃, which saves two divisions.
+                // shortest, and C and C − C₀ times the fraction; all times w̃, which saves two divisions.
                 let multiplier = memory.lambda * row.weight;
                 let pull = multiplier - fraction * row.value;
                 let push = multiplier - fraction * (row.value - memory.shortest);

@@ -53,8 +53,8 @@ impl PbdBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
+    /// [`BuildError::OutOfRange`] for a setting outside its range; [`BuildError::NoSuchView`] for elements that are no
+    /// constraints; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
     ///
     /// # Panics
     /// If an element of a coloured sweep names a vertex twice.

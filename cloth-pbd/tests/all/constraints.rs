@@ -1,13 +1,16 @@
 //! Every kind of constraint under PBD: the law of one constraint where a row is linear in what can move, and
 //! convergence to `C = 0` where it is not.
 
-use cloth_core::element::{Constraint, RowArray};
+use crate::chain::Chain;
+
+use cloth_core::element::{Constraint, Element, Row, RowArray};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CurvatureHinge, CurvedHinge, DihedralHinge, HingeLaw,
     Spring, StvkTriangle, VolumeTetrahedron,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{center_of_mass, linear_momentum};
+use cloth_core::method::position_based::Sweep;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
@@ -205,4 +208,147 @@ fn degenerate_shapes_recover_or_stay() {
     let mut state = State::at_rest(mirrored);
     step(volume, &masses(), &mut state, 50, rigid, 0.01);
     assert!(value(&volume, &state).abs() < 1e-14);
+}
+
+/// The gradients of the table, with the directions of the normals and of the edge; which side is up.
+#[test]
+fn the_gradients_are_those_of_the_chapter() {
+    let hinge = |rest_angle| DihedralHinge {
+        vertices: [0, 1, 2, 3],
+        rest_angle,
+        stiffness: 1.0,
+        law: HingeLaw::Angle,
+    };
+    let folded = |angle: Real| {
+        let tip = Vec3::new(0.3, -0.7 * angle.cos(), 0.7 * angle.sin());
+        [Vec3::zeros(), Vec3::x(), Vec3::new(0.4, 0.8, 0.0), tip]
+    };
+    for angle in [-3.0, -1.0, 0.0, 1e-3, 1.0, 3.0] {
+        let x = folded(angle);
+        let row = hinge(0.0).rows(&x)[0];
+        assert!((row.value + angle).abs() < 1e-14, "{angle}: {}", row.value);
+        let e = x[1] - x[0];
+        let normals = [e.cross(&(x[2] - x[0])), (x[3] - x[0]).cross(&e)];
+        let [g2, g3] = normals.map(|n| -n * (e.norm() / n.norm_squared()));
+        let t = |i: usize| (x[i] - x[0]).dot(&e) / e.norm_squared();
+        let g1 = -g2 * t(2) - g3 * t(3);
+        for (found, law) in row.gradient.iter().zip([-g1 - g2 - g3, g1, g2, g3]) {
+            assert!((found - law).norm() < 1e-14, "{angle}");
+        }
+    }
+    // More than half a turn from the rest angle: the other way.
+    let far = hinge(0.4).rows(&folded(3.0))[0].value;
+    assert!((far - (2.0 * std::f64::consts::PI - 3.4)).abs() < 1e-14);
+    // A triangle without area: no row.
+    let mut flat = folded(0.3);
+    flat[2].y = 0.0;
+    assert!(
+        hinge(0.0).rows(&flat)[0]
+            .gradient
+            .iter()
+            .all(|g| *g == Vec3::zeros())
+    );
+
+    let row = AreaTriangle::new([0, 1, 2], &TRIANGLE, 1.0).rows(&TRIANGLE)[0];
+    let [a, b, c] = TRIANGLE;
+    let n = (b - a).cross(&(c - a)).normalize();
+    for (found, edge) in row.gradient.iter().zip([c - b, a - c, b - a]) {
+        assert!((found - n.cross(&edge) * 0.5).norm() < 1e-15);
+    }
+}
+
+/// Of slivers the correction is small, not the gradient.
+#[test]
+fn a_hinge_with_a_sliver_moves_by_about_its_height() {
+    for height in [1e-2, 1e-4, 1e-6] {
+        let mut start = REST.to_vec();
+        start[2] = (REST[0] + REST[1]) * 0.5 + Vec3::z() * height;
+        let mut state = State::at_rest(start.clone());
+        let hinge = DihedralHinge {
+            vertices: [0, 1, 2, 3],
+            rest_angle: 0.4,
+            stiffness: 1.0,
+            law: HingeLaw::Angle,
+        };
+        let rigid = StiffnessRule::Fixed(1.0);
+        step(hinge, &masses(), &mut state, 1, rigid, 0.01);
+        for (x, from) in state.positions.iter().zip(&start) {
+            assert!((x - from).norm() < 3.0 * height, "{height}");
+        }
+    }
+}
+
+#[test]
+fn averaged_jacobi_keeps_the_momentum_of_unequal_vertices() {
+    let ends = [[0, 1], [0, 2], [0, 3], [1, 2]];
+    let builder = PbdSolver::builder(&masses()).energy(Spring::along(&REST, &ends, 1e4));
+    let config = PbdConfig {
+        sweep: Sweep::Jacobi,
+        ..PbdConfig::default()
+    };
+    let mut solver = builder.config(config).build().unwrap();
+    let mut state = State::at_rest(REST.map(|x| x * 1.5).to_vec());
+    solver.step(&mut state, StepInput::new(0.01)).unwrap();
+    let size: Real = state.velocities.iter().map(|v| v.norm()).sum();
+    let momentum = linear_momentum(&masses(), &state.velocities).norm();
+    assert!(size > 1.0 && momentum < 1e-13 * size, "{momentum:e} {size}");
+}
+
+/// `C = min(φ, 0)`, `φ = r − ‖x − p‖`: no further from the pin than the cloth reaches.
+#[derive(Clone, Copy, Debug)]
+struct LongRange {
+    vertices: [u32; 2],
+    reach: Real,
+}
+
+impl Element<2> for LongRange {
+    fn vertices(&self) -> [u32; 2] {
+        self.vertices
+    }
+}
+
+impl Constraint<2> for LongRange {
+    type Rows = [Row<2>; 1];
+
+    fn rows(&self, [x, pin]: &[Vec3; 2]) -> [Row<2>; 1] {
+        let (d, length) = (x - pin, (x - pin).norm());
+        let n = if length > self.reach {
+            d / -length
+        } else {
+            Vec3::zeros()
+        };
+        [Row {
+            value: (self.reach - length).min(0.0),
+            gradient: [n, -n],
+            stiffness: Real::INFINITY,
+        }]
+    }
+}
+
+/// Hangs where it should after one sweep, where links alone sag by half a metre.
+#[test]
+fn a_long_range_attachment_added_last_holds_after_one_sweep() {
+    let chain = Chain::new(20, 1.0);
+    let sag = |attached: bool| {
+        let config = PbdConfig {
+            iterations: 1,
+            sweep: Sweep::Sequential,
+            stiffness: StiffnessRule::Fixed(1.0),
+            ..PbdConfig::default()
+        };
+        let rest = chain.at_rest().positions;
+        let reach = |i: u32| (rest[i as usize] - rest[0]).norm();
+        let attach = |i| LongRange {
+            vertices: [i, 0],
+            reach: reach(i),
+        };
+        let mut builder = PbdSolver::builder(&chain.particles).energy(chain.springs.clone());
+        if attached {
+            builder = builder.energy((1..=20).map(attach).collect());
+        }
+        let mut solver = builder.config(config).build().unwrap();
+        chain.sag_at_rest(&mut solver, 1.0 / 60.0, 2000)
+    };
+    assert!(sag(false) > 0.5);
+    assert!(sag(true).abs() < 1e-12, "{}", sag(true));
 }

@@ -7,7 +7,7 @@ mod formula;
 
 use cloth_core::math::Real;
 use cloth_pbd::projection_stiffness;
-use formula::rounded;
+use formula::{CachedScale, rounded};
 
 #[test]
 fn rounding_is_finer_than_promised_and_forgets_the_last_digits() {
@@ -29,4 +29,9 @@ fn stiffness_of_a_projection_has_its_limits() {
     for nothing in [-2.0, Real::NAN] {
         assert!(projection_stiffness(nothing, 7).is_nan());
     }
+}
+
+#[test]
+fn a_row_is_stored_in_24_bytes() {
+    assert_eq!(size_of::<CachedScale>(), 24);
 }

@@ -7,7 +7,7 @@ use cloth_core::step::StepReport;
 
 /// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
 const BALANCED: Real = 1e-8;
-/// Change of velocity, relative to the velocity, that is none: in free fall forces are rounding.
+/// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
 const IMPERCEPTIBLE: Real = 1e-6;
 
 impl PdSolver {
@@ -55,9 +55,9 @@ impl PdSolver {
         objective.norm(&self.point.gradient) <= BALANCED * forces
     }
 
-    /// Whether the end of a step is near enough, by a part of the tolerance: by what the last direction
-    /// promises, and by `gain` (J), which is by how much `G` has fallen in [`SPAN`] iterations. Pairs that mislead make
-    /// the first small.
+    /// Whether the end of a step is near enough, with `part` times the tolerance: by the Newton decrement of the last
+    /// direction, and by `gain` (J), which is by how much `G` has fallen in [`SPAN`] iterations. Pairs that do not fit
+    /// the Hessian can make the first too small.
     pub(super) fn is_near(&self, part: Real, gain: Real) -> bool {
         let Method::QuasiNewton(method) = &self.method else {
             return false;

@@ -84,8 +84,9 @@ impl DirectBuilder {
     /// The solver; the sparsity pattern is built and analysed here, once.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints; [`BuildError::NoSuchVertex`] if an element names a vertex that the
-    /// particles do not have; [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
+    /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have;
+    /// [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<DirectXpbd, BuildError> {
         let config = self.config;
         check_counts(config.max_iterations, config.substeps)?;

@@ -105,9 +105,9 @@ impl Solver {
     }
 
     /// Solves `A out = right`. With a factor, iterative refinement removes the shift: each step multiplies the
-    /// error of an eigenvector of eigenvalue σ by `shift/(σ + shift)`. What remains no multiplier can do: rows
-    /// that contradict one another to first order. Returns whether there are any; the answer then holds their
-    /// contradiction divided by the shift, which [`Solver::undetermined`] computes.
+    /// error along an eigenvector of S (σ its eigenvalue) by `shift/(σ + shift)`. Along null vectors, σ = 0, nothing is
+    /// removed: there rows contradict one another to first order. Returns whether any do; the answer then holds
+    /// their contradiction divided by the shift, which [`Solver::undetermined`] computes.
     pub(super) fn solve(&mut self, kkt: &Kkt, right: &KktVector, out: &mut KktVector) -> bool {
         let (tolerance, most) = self.krylov;
         let end = match &mut self.backend {

@@ -16,8 +16,8 @@ pub(super) struct Rows {
     pub(super) vertices: Vec<u32>,
     /// `∂C/∂x` of each entry (unit of C per m).
     pub(super) gradient: Vec<Vec3>,
-    /// `C` of each row; of one that its multiplier keeps at an end of its range, how far it is from there, to
-    /// either side.
+    /// What the system is to bring to zero: `C` of each row. For a hard limit that its multiplier keeps active, the
+    /// signed distance from that end of its range.
     pub(super) value: Vec<Real>,
     /// `C` of each row.
     pub(super) violation: Vec<Real>,
@@ -48,8 +48,8 @@ pub(super) trait RowFamily: Debug + Send {
     fn row_count(&self) -> usize;
     /// Writes C, J and k at `x` (m) to the rows from number `first` on.
     fn evaluate(&self, x: &[Vec3], first: usize, rows: &mut Rows);
-    /// Decides for every row with a dead zone whether it is active: a soft one beyond its range; a hard one,
-    /// which ends at the end of its range, by its multiplier
+    /// Decides for every row with a dead zone whether it is active: a soft one where C is beyond its range; a hard one
+    /// by its multiplier, since C then ends exactly at the bound
     /// ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)). An inactive row has no gradient, and its multiplier
     /// becomes zero; returns whether one was not zero before.
     fn activate(

@@ -140,6 +140,9 @@ impl Family for Springs {
 const SHORTEST_SQUARED: f32 = 1e-30;
 
 /// `Δλ = −(C + α̃λ)/(w₀ + w₁ + α̃)` for each of the four, with `C = l − L`, and what it moves.
+///
+/// The lanes are four visits of the naive loop in `examples/first_program.rs`. The direction `d/l` is never formed:
+/// `change` is `Δλ/l`, one division for both, so λ grows by `change l` and the ends move by `±w change d`.
 #[inline(always)]
 fn project(pack: &Pack, memory: &mut Multipliers, x: &mut [f32x4; 8]) {
     // x, y, z and w of the four first ends, and of the four second ends.

@@ -186,8 +186,28 @@ fn chosen_substeps_follow_step_and_wanted_strain_and_not_the_stiffness() {
     );
 }
 
+/// The table in the documentation of the rule, and the default of twenty substeps beside it.
 #[test]
-fn published_substeps_leave_more_than_wanted() {
-    let (chosen, strain) = hanging(square(33, 1.0)).swing(Some(20));
-    assert!(chosen > 60 && strain > 0.5, "{chosen}, {strain}");
+fn the_table_of_the_rule_is_what_it_leaves() {
+    let corners = |n| hanging(square(n, 1.0));
+    let irregular = hanging(irregular(33, 1.0, 1.0, 7).unwrap());
+    let edge = Hanging {
+        held: Held::Edge,
+        ..corners(33)
+    };
+    for (name, sheet, substeps, chosen, percent) in [
+        ("17, corners", corners(17), None, 33, 4.6),
+        ("33, corners", corners(33), None, 75, 7.5),
+        ("33, irregular", irregular, None, 148, 5.5),
+        ("33, edge", edge, None, 50, 8.5),
+        ("64, corners", corners(64), None, 177, 9.2),
+        ("33, published", corners(33), Some(20), 75, 54.0),
+        ("64, published", corners(64), Some(20), 177, 272.0),
+    ] {
+        let (number, strain) = sheet.swing(substeps);
+        println!("{name}: {number} substeps, {:.2} %", 100.0 * strain);
+        assert_eq!(number, chosen, "{name}");
+        let error = (100.0 * strain / percent - 1.0).abs();
+        assert!(error < 0.015, "{name}: {strain}");
+    }
 }

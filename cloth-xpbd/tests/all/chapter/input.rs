@@ -2,7 +2,7 @@
 //! Never a panic, never a number that is none.
 
 use crate::chapter::GRAVITY;
-use cloth_core::energy::{Attachment, Spring, StrainLimitSpring, StvkTriangle};
+use cloth_core::energy::{Attachment, CurvatureHinge, Spring, StrainLimitSpring, StvkTriangle};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::particles::{Particles, State};
@@ -184,6 +184,28 @@ fn what_is_not_a_number_is_refused() {
     ));
     // And it still works.
     solver.step(&mut apart(2.0), StepInput::new(0.1)).unwrap();
+}
+
+#[test]
+fn an_element_on_a_flat_rest_shape_does_nothing_or_is_refused() {
+    let rest = [Vec3::zeros(), Vec3::x(), Vec3::x() * 2.0, Vec3::y()];
+    let particles = Particles::new(vec![1.0; 4]).unwrap();
+    let hinge = CurvatureHinge::new([0, 1, 2, 3], &rest, 1.0);
+    let mut solver = XpbdSolver::builder(&particles).energy(vec![hinge]);
+    let mut state = State::at_rest(rest.to_vec());
+    let step = solver
+        .build()
+        .unwrap()
+        .step(&mut state, StepInput::new(0.01));
+    assert!(matches!(step, Err(StepError::NonFinite { .. })), "{step:?}");
+    let flat = [rest[0], rest[1], rest[2]];
+    let triangle = StvkTriangle::new([0, 1, 2], &flat, 1e3, 0.3);
+    solver = XpbdSolver::builder(&particles).energy(vec![triangle]);
+    let step = solver
+        .build()
+        .unwrap()
+        .step(&mut state, StepInput::new(0.01));
+    assert!(step.is_ok() && state.positions == rest, "{step:?}");
 }
 
 #[test]
