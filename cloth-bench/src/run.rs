@@ -209,7 +209,7 @@ impl<'a> Course<'a> {
         let (mut start, mut unused) = (state.positions.clone(), state.positions.clone());
         let potential = timed.source.potential();
         match potential.begin(&step, &mut start) {
-            Ok(_) => potential.add_gradient(&state.positions, &mut unused),
+            Ok(()) => potential.add_gradient(&state.positions, &mut unused),
             Err(_) => 0.0,
         }
     }

@@ -7,8 +7,10 @@
 //! [`StepInput`](crate::step::StepInput) runs no code for contact. The crate `cloth-collide` has the source.
 
 mod global_rows;
+mod truncation;
 
 pub use global_rows::{GlobalRow, GlobalRows};
+pub use truncation::FadingTruncation;
 
 use crate::math::{Real, Vec3, is_finite};
 use std::fmt;
@@ -111,12 +113,11 @@ pub trait ContactSource {
 /// accepted, and every straight path between two of them, is free of crossings.
 pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// Begins a step. `start` (m) is where the method would begin to iterate, with prescribed vertices where they will
-    /// end; free ones are taken back from there towards `step.from` as far as has to be. Returns whether some were led
-    /// elsewhere, around what moves.
+    /// end; free ones are taken back from there towards `step.from` as far as has to be, or led around what moves.
     ///
     /// # Errors
     /// If the start of the step is not in order, or prescribed vertices or obstacles have no free path.
-    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<bool, ContactError>;
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
     /// The part of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for
     /// places on that part, until the next call. Below 1 it need not mean a contact: long paths are looked at in parts.

@@ -301,7 +301,9 @@ impl Implicit {
                 inverse_mass: self.particles.inverse_mass(),
                 dt: input.dt,
             };
-            let begun = self.minimizer.begin_contact(&task.stage, &taken, *contact);
+            let begun = self
+                .minimizer
+                .begin_contact(&taken, &self.energies, *contact);
             begun.map_err(|reason| StepError::Contact { reason, step })?;
         }
         if self.particles.free_count() > 0 {

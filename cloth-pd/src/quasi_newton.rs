@@ -113,7 +113,10 @@ impl QuasiNewton {
             solves: self.find_direction(global, coarse, point),
             ..Advance::default()
         };
-        self.decrement = -self.slope;
+        self.decrement = match self.slope < 0.0 {
+            true => -self.slope,
+            false => Real::INFINITY, // the pairs mislead
+        };
         let found = match contact {
             None => self.search(objective, point, 1.0, contact, &mut done),
             Some(_) => self.search_in_contact(objective, point, contact, &mut done)?,
@@ -127,6 +130,7 @@ impl QuasiNewton {
         // it lacks one that has come to count, because springs beside it are gone, the length that is found is taken,
         // or the last that was tried, which is next to nothing.
         self.memory.clear();
+        self.decrement = Real::INFINITY;
         done.solves += self.find_plain_direction(global, point);
         if contact.is_some() {
             self.shorten_to_radius();

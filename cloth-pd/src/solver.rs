@@ -2,6 +2,7 @@
 
 mod builder;
 mod end;
+mod start;
 
 pub use builder::PdBuilder;
 
@@ -13,7 +14,7 @@ use crate::contact::Contact;
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
 use crate::quasi_newton::{QuasiNewton, ROUNDING};
-use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
+use cloth_core::contact::{ContactError, FadingTruncation};
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
@@ -42,10 +43,9 @@ pub struct PdSolver {
     pub(crate) point: Point,
     /// `x[0]`, for where the iteration ends above it.
     pub(crate) fallback: Point,
-    /// With contact: positions (m) free of intersections, and the fraction of the displacement from there to the start
-    /// that each vertex may take.
+    /// With contact: positions (m) free of intersections, and the truncation of the displacement from there.
     feasible: Vec<Vec3>,
-    fractions: Vec<Real>,
+    truncation: FadingTruncation,
     /// `v[1]` (m/s).
     velocities: Vec<Vec3>,
 }
@@ -224,42 +224,6 @@ impl PdSolver {
         self.restore_momentum(contact)
     }
 
-    /// Begins contact, and takes the start back where it is not free of crossings, each vertex by itself.
-    fn begin_contact(
-        &mut self,
-        state: &State,
-        dt: Real,
-        contact: &mut dyn ContactPotential,
-    ) -> Result<(), ContactError> {
-        let particles = &self.objective.particles;
-        let q = &mut self.point.displacement;
-        self.feasible.copy_from_slice(&state.positions);
-        self.fractions.resize(q.len(), 1.0);
-        for (vertex, x) in self.feasible.iter_mut().enumerate() {
-            if particles.is_prescribed(vertex) {
-                *x += q[vertex];
-            }
-        }
-        let taken = ContactStep {
-            from: &state.positions,
-            inverse_mass: particles.inverse_mass(),
-            dt,
-        };
-        contact.begin(&taken, &mut self.feasible)?;
-        let to = &mut self.point.positions;
-        for ((to, x), q) in to.iter_mut().zip(&state.positions).zip(&*q) {
-            *to = x + q;
-        }
-        contact.limit_each(&self.feasible, to, &mut self.fractions)?;
-        for (vertex, q) in q.iter_mut().enumerate() {
-            // A displacement that is not truncated keeps all digits.
-            if self.fractions[vertex] < 1.0 {
-                *q = to[vertex] - state.positions[vertex];
-            }
-        }
-        Ok(())
-    }
-
     /// Restores the momentum of cloth in contact with nothing but itself, which inertia gives; truncation vertex by
     /// vertex does not keep it.
     fn restore_momentum(&mut self, contact: &mut Contact<'_>) -> Result<(), ContactError> {
@@ -287,24 +251,6 @@ impl PdSolver {
         components.add(shift * fraction, q);
         self.point.is_evaluated = false;
         Ok(())
-    }
-
-    /// Puts the iterate where the iteration starts: q = 0, Δt v[0] or u, and u for a prescribed vertex.
-    fn start(&mut self, state: &State) {
-        let (particles, inertial) = (&self.objective.particles, &self.objective.inertial);
-        let q = &mut self.point.displacement;
-        for (vertex, q) in q.iter_mut().enumerate() {
-            *q = match self.config.start {
-                _ if particles.is_prescribed(vertex) => inertial[vertex],
-                StartGuess::Previous => Vec3::zeros(),
-                StartGuess::Inertial => state.velocities[vertex] * self.objective.dt(),
-                StartGuess::Predicted => inertial[vertex],
-            };
-        }
-        if self.config.start == StartGuess::Inertial {
-            self.free_components.align(Some(inertial), q);
-        }
-        self.point.is_evaluated = false;
     }
 
     /// Iterates from the point to the end, with a memory that begins anew.

@@ -64,10 +64,10 @@ fn linearised_cloth_on_a_sphere_falls_nearly_as_far_and_makes_no_energy() {
             assert_eq!(object["energy_excess"].as_f64(), Some(0.0), "{method}");
             object["center_of_mass_drop"].as_f64().unwrap()
         };
-        [21, 22, 24].map(fall).iter().sum::<f64>()
+        (20..25).map(fall).sum::<f64>()
     });
     let part = linear / converged;
-    assert!((0.93..1.0).contains(&part), "{linear} m for {converged} m");
+    assert!((0.92..1.0).contains(&part), "{linear} m for {converged} m");
 }
 
 /// A corner that is stopped suddenly, and wind that pulls a sheet taut: more substeps are taken where, and only where,
@@ -307,4 +307,20 @@ fn wind_gives_cloth_what_it_gains_by_bdf2() {
     let [excess, given] =
         ["energy_excess", "energy_given"].map(|key| object[key].as_f64().unwrap());
     assert!(excess < 5e-3 * given, "{excess} of {given} J");
+}
+
+/// A ball of gas that falls on a smaller one. A start that stops the vertices which touch, and lets the others go on,
+/// stretches it to many times its energy, and its iterations ended with a sixth of that left.
+#[test]
+fn a_ball_that_lands_by_projective_dynamics_is_not_torn_by_its_start() {
+    let scene = written(
+        "lands",
+        "[[mesh]]\ngenerator = \"sphere:8\"\nscale = 0.25\ntranslate = [0.034, -0.012, 0.35]\npressure = 100\n\
+         [cloth]\ndensity = 0.2\nstiffness = 2.3e4\nrigidity = 2.5e-6\n\
+         [[obstacle]]\nshape = \"sphere\"\nposition = [0.023, -0.14, 0.025]\nradius = 0.049\n\
+         [contact]\nself = true\nthickness = 2e-3\nfriction = 0.5\n",
+    );
+    let (code, object, said) = run(&format!("{} --method pd --steps 22", scene.display()));
+    assert_eq!(code, 0, "{said}");
+    assert_eq!(object["energy_excess"], 0.0);
 }

@@ -43,7 +43,7 @@ impl ContactSource for Refusal {
 }
 
 impl ContactPotential for Refusal {
-    fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<bool, ContactError> {
+    fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<(), ContactError> {
         Err(self.reason.clone())
     }
 

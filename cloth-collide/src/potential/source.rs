@@ -148,7 +148,7 @@ impl ContactPotential for Contacts {
     /// The start is checked, free bodies set out, and where something prescribed moves the constraints lead the start;
     /// pairs are chosen and friction is frozen at `step.from`; a start that was not led is cut to where its path is
     /// safe.
-    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<bool, ContactError> {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
         self.held = 0;
         self.free.remember();
@@ -185,8 +185,7 @@ impl ContactPotential for Contacts {
             }
         }
         self.wanted = wanted;
-        self.prepare(start, start)?;
-        Ok(!is_still)
+        self.prepare(start, start)
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {

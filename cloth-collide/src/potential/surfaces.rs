@@ -354,20 +354,20 @@ impl ContactSource for PotentialContacts {
 }
 
 impl ContactPotential for PotentialContacts {
-    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<bool, ContactError> {
-        let is_led = loop {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
+        loop {
             self.place(step, start, [true, true])?;
             let (all, to) = self.surfaces.all(step.dt);
             match self.contacts.begin(&all, to) {
-                Ok(is_led) => break is_led,
+                Ok(()) => break,
                 Err(error) if self.halts(&error) => {}
                 Err(error) => return Err(error),
             }
-        };
+        }
         self.surfaces.take(start);
         self.surfaces.time += step.dt;
         self.surfaces.stay();
-        Ok(is_led)
+        Ok(())
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {

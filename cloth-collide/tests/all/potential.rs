@@ -351,7 +351,7 @@ fn extreme_sizes_are_cut_or_refused() {
         let to: Vec<Vec3> = from.iter().map(|x| x + random.point(way)).collect();
         let mut start = to.clone();
         let begun = contacts.begin(&step, &mut start);
-        let Ok(share) = begun.and_then(|_| contacts.limit(&start, &to)) else {
+        let Ok(share) = begun.and_then(|()| contacts.limit(&start, &to)) else {
             refused += 1;
             continue;
         };

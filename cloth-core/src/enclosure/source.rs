@@ -151,7 +151,7 @@ where
 }
 
 impl<C: ContactPotential> ContactPotential for Enclosed<C> {
-    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<bool, ContactError> {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         self.begin_at(step);
         self.contacts.begin(step, start)
     }
@@ -253,8 +253,8 @@ impl ContactSource for NoContact {
 }
 
 impl ContactPotential for NoContact {
-    fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<bool, ContactError> {
-        Ok(false)
+    fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<(), ContactError> {
+        Ok(())
     }
 
     fn limit(&mut self, _: &[Vec3], _: &[Vec3]) -> Result<Real, ContactError> {

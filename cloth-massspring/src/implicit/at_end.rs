@@ -111,7 +111,7 @@ impl AtEnd<'_> {
 }
 
 impl ContactPotential for AtEnd<'_> {
-    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<bool, ContactError> {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         let mut ends = std::mem::take(&mut self.room.ends[0]);
         let wanted = self.ends(start, &mut ends);
         let begun = self.contact.begin(step, wanted);

@@ -8,13 +8,15 @@ use super::quasi_newton::QuasiNewton;
 use super::stage::Stage;
 use super::system::NewtonSystem;
 use crate::config::{Accept, ImplicitConfig, Solve};
-use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
+use cloth_core::contact::{ContactError, ContactPotential, ContactStep, FadingTruncation};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::Energies;
 use cloth_core::method::trust::TrustRadius;
 use cloth_core::method::vectors::dot;
 use cloth_core::particles::Particles;
 use cloth_core::step::{BuildError, Observer, Outcome, StepError, StepReport};
+use std::sync::Arc;
 
 /// Where no lower point is found, the gradient counts as lost in rounding up to this multiple of the estimate of
 /// [`Stage::rounding`]; above, it is an error.
@@ -61,6 +63,9 @@ pub(super) struct Minimizer {
     /// Where each vertex is followed as far as it can go alone: the parts (dimensionless), and the displacements (m).
     parts: Vec<Real>,
     shortened: Vec<Vec3>,
+    truncation: FadingTruncation,
+    /// Which vertices elements couple; made in the first step with contact.
+    neighbours: Option<Arc<BlockPattern>>,
     is_free: Vec<bool>,
 }
 
@@ -117,36 +122,35 @@ impl Minimizer {
             linearized: None,
             parts: Vec::new(),
             shortened: Vec::new(),
+            truncation: FadingTruncation::default(),
+            neighbours: None,
             is_free,
         })
     }
 
-    /// Begins contact, which truncates the displacement to the current positions (m), or leads it around what moves. In
-    /// cloth that lands while something moves that stops some vertices and not others, and stretches what is between:
-    /// where `G` is then larger than at the start of the step, the start of the step is where contact begins instead.
+    /// Begins contact, and truncates the displacement to the current positions (m) where it is not free of crossings,
+    /// so that what is stopped hardly strains what flies on.
     pub(super) fn begin_contact(
         &mut self,
-        stage: &Stage<'_>,
         step: &ContactStep<'_>,
+        energies: &Energies,
         contact: &mut dyn ContactPotential,
     ) -> Result<(), ContactError> {
-        let (start, stay) = (&mut self.current, &mut self.next);
-        stay.positions.copy_from_slice(&start.positions);
-        let is_led = contact.begin(step, &mut start.positions)?;
-        if !is_led || start.positions == stay.positions {
-            return Ok(());
-        }
-        let vertices = stay.positions.iter_mut().zip(step.from).zip(&self.is_free);
+        let (start, feasible) = (&mut self.current.positions, &mut self.next.positions);
+        feasible.copy_from_slice(start);
+        let vertices = feasible.iter_mut().zip(step.from).zip(&self.is_free);
         for ((x, from), _) in vertices.filter(|(_, is_free)| **is_free) {
             *x = *from;
         }
-        start.evaluate(stage);
-        stay.evaluate(stage);
-        if start.value > stay.value {
-            start.positions.copy_from_slice(&stay.positions);
-            contact.begin(step, &mut start.positions)?;
-        }
-        Ok(())
+        contact.begin(step, feasible)?;
+        let pattern = self
+            .neighbours
+            .get_or_insert_with(|| Arc::clone(energies.lumped_assembly().pattern()));
+        let columns = |v: usize| {
+            let slots = pattern.row(v);
+            pattern.columns()[slots].iter().map(|&u| u as usize)
+        };
+        self.truncation.limit(contact, feasible, start, columns)
     }
 
     /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one Newton

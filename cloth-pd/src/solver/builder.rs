@@ -10,6 +10,7 @@ use crate::matrix::negligible;
 use crate::objective::{Objective, Point};
 use crate::quasi_newton::QuasiNewton;
 use cloth_core::cloth::{Elements, ProjectiveVisitor};
+use cloth_core::contact::FadingTruncation;
 use cloth_core::element::Projective;
 use cloth_core::error::within;
 use cloth_core::math::{Real, Vec3, is_finite};
@@ -159,7 +160,7 @@ impl PdBuilder {
             point: Point::new(vertex_count),
             fallback: Point::new(vertex_count),
             feasible: zeros.clone(),
-            fractions: Vec::new(),
+            truncation: FadingTruncation::default(),
             velocities: zeros,
         })
     }

@@ -69,8 +69,8 @@ impl ContactSource for Floor {
 }
 
 impl ContactPotential for Floor {
-    fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<bool, ContactError> {
-        Ok(false)
+    fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<(), ContactError> {
+        Ok(())
     }
 
     fn limit(&mut self, _: &[Vec3], _: &[Vec3]) -> Result<Real, ContactError> {
