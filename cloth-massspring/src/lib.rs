@@ -156,8 +156,9 @@
 //! much cheaper. On the hanging sheet it takes 22, 30 and 35 at 32, 64 and 128 vertices a side
 //! (`cloth-bench/doc/results.md`). One step:
 //!
-//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins; it truncates the
-//!    displacement to the start where something is in between.
+//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins; where something is in
+//!    between, the displacement to the start fades towards it
+//!    ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
 //! 2. Connected components that nothing holds or touches are shifted to where their momentum takes them. If nothing is
 //!    held at all and they touch only each other, they are shifted together.
 //! 3. Repeat:

@@ -280,7 +280,8 @@
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
 //!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
-//!   all is taken. The start `x[0] + Δt v[0]` is cut in the same way.
+//!   all is taken. The displacement to the start `x[0] + Δt v[0]` fades towards what is stopped
+//!   ([`FadingTruncation`](cloth_core::contact::FadingTruncation)), so that no edge is strained by it.
 //! - **A trust radius bounds each direction.** A direction does not account for contacts that are not active yet.
 //!   Where cloth is light and soft it can be many times as long as the cloth: detection then has all of that path to
 //!   search, and truncation vertex by vertex leaves nothing of its shape. So the whole direction is scaled down to the
@@ -295,10 +296,10 @@
 //!   ([`PdConfig::velocity_tolerance`]). In a step in which anything pushes it takes 30 iterations at least, unless
 //!   forces balance to 10⁻⁸ or the line search fails first; and a few hundred in a fold. Six sheets of 33 vertices a
 //!   side on a turning box, each with 0.3 % more bending rigidity than the one before (`cloth-bench run drape-box
-//!   --steps 30`), fall 0.074 m with a spread of 0.003 m and are stretched by 0.3 %; with converged implicit Euler
-//!   0.074 and 0.001 m, 0.2 %; with 30 iterations in every step 0.068 and 0.006 m, 0.8 %. A ribbon that folds down on
-//!   itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.484 m, with 20 iterations at most 0.442 m; implicit
-//!   Euler 0.494 m. If the end is above `G` at the start of the step all the same, it is taken again from there.
+//!   --steps 30`), fall 0.088 m with a spread of 0.005 m and are stretched by 0.2 %; with converged implicit Euler
+//!   0.078 and 0.003 m, 0.2 %; with 30 iterations in every step 0.073 and 0.005 m, 0.7 %. A ribbon that folds down on
+//!   itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.495 m, with 20 iterations at most 0.472 m; implicit
+//!   Euler 0.495 m. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
 //! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps.
 //! A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.019 J with implicit Euler; with

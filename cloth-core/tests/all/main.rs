@@ -53,5 +53,6 @@ mod stitch;
 mod sweep_forms;
 mod sweeps;
 mod topology;
+mod truncation;
 mod trust;
 mod weights;
