@@ -51,8 +51,9 @@ use cloth_core::math::Real;
 /// # Limits
 ///
 /// - A pass at a distance below the above is reported as a contact.
-/// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction turns: where n turns by θ, a
-///   share of the order of θ² is what its bound has above |n|, and d θ² has to stay below distance − d.
+/// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction n turns: over a turn by θ the
+///   bound on the speed along n is too large by a fraction of the order of θ², which costs d θ² of the distance, and
+///   that has to stay below distance − d.
 /// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the
 ///   time is early by more than the slack asks for. Without slack and separation this has not been seen.
 /// - A contact during the motion is found. What lies on the wrong side already at the start is not known to be wrong.

@@ -109,8 +109,9 @@
 //! [`BodyProbe`](crate::BodyProbe) counts triangles of the cloth in a body, [`SeparationProbe`](crate::SeparationProbe)
 //! those in the cloth; and by what a step reports ([`ConstraintReport`]).
 //!
-//! Pairs of bodies, and pairs without a free vertex, are left out: a body that nothing pushes may pass through itself
-//! and others, and prescribed cloth may be inside of one. Cloth that two bodies leave no room for is an error,
+//! Pairs of bodies, and of a body with prescribed cloth, are left out: a body that nothing pushes may pass through
+//! itself and others, and prescribed cloth may be inside of one. Prescribed parts of the cloth that cross each other
+//! are an error. Cloth that two bodies leave no room for is an error,
 //! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
 //!
 //! # Bodies that the cloth pushes

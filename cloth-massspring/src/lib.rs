@@ -156,9 +156,9 @@
 //! much cheaper. On the hanging sheet it takes 22, 30 and 35 at 32, 64 and 128 vertices a side
 //! (`cloth-bench/doc/results.md`). One step:
 //!
-//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins; where something is in
-//!    between, the displacement to the start fades towards it
-//!    ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
+//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins. Vertices
+//!    whose path to the start meets something are stopped before it, and those around them are held back by less the
+//!    further away they are ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
 //! 2. Connected components that nothing holds or touches are shifted to where their momentum takes them. If nothing is
 //!    held at all and they touch only each other, they are shifted together.
 //! 3. Repeat:
@@ -435,8 +435,9 @@
 //!   cloth. It keeps linear momentum, not angular momentum.
 //! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet
 //!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps, at the stable limit (`cloth-bench` takes steps half
-//!   as long), for what implicit Euler does in one of 1/60 s. (0.765 l √(ρ/k), the limit of an endless grid, makes 307;
-//!   but at a corner a third of the mass ρ l² hangs on full springs, and ω² = 9.86 k/(ρ l²).)
+//!   as long), for what implicit Euler does in one of 1/60 s. (It is a corner that asks
+//!   for them: ω² = 9.86 k/(ρ l²) where one triangle alone gives the mass of a vertex on full springs. The endless grid
+//!   of alternating diagonals has 6 k/(ρ l²), and 288 steps.)
 //! - A compressed sheet has many minima, one for each buckling mode, and saddle points between them. Which minimum
 //!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`]. Exactly
 //!   flat cloth under forces in its plane feels none out of it, and neither Newton's method nor L-BFGS leaves the

@@ -1,8 +1,10 @@
 //! The largest stable step of symplectic Euler, from the fastest oscillation of the cloth.
 //!
-//! In a small oscillation of angular frequency ω symplectic Euler is stable for `Δt ω < 2`, so what is asked for is the
-//! largest eigenvalue `ω²` of `M⁻¹ K`, with `K` the Hessian of the energy. Lanczos' method finds it from
-//! products alone, in the symmetric form `A = M^{-½} K M^{-½}` over the free vertices.
+//! In a small oscillation of angular frequency ω, with `z = Δt ω`, symplectic Euler takes `(x, Δt v)` to `(x + Δt v −
+//! z² x, Δt v − z² x)`: a matrix of trace 2 − z² and determinant 1. Its eigenvalues have a product of 1, and both lie
+//! on the unit circle as long as the trace is within ±2, so it is stable for `Δt ω < 2`. What is asked for is the
+//! largest eigenvalue `ω²` of `M⁻¹ K`, with `K` the Hessian of the energy. Lanczos' method finds it from products
+//! alone, in the symmetric form `A = M^{-½} K M^{-½}` over the free vertices.
 //!
 //! Of `K` the negative eigenvalues of each element are dropped ([`Convexity::Clamp`]). They belong to compressed
 //! springs that buckle sideways: no oscillation and no overshoot, and no step size prevents it. Dropping them can only
@@ -11,10 +13,10 @@
 //!
 //! By hand, for springs alone: `ω² ≤ max 2 Σ k/m` over the vertices, with the sum over their springs (Gershgorin), so
 //! `Δt = √(2m/Σk)` is stable. A long chain has `ω² → 4 k/m`, a grid with diagonals one way and equal k `(4 + 2√2) k/m`,
-//! equilateral triangles `6 k/m` (tests). With m = ρ l² on the grid, Δt = 0.765 l √(ρ/k). Membranes of triangles scale
-//! alike, `Δt ~ l √(ρ/Y)`. Bending of rigidity D resists a vertex with about `D/l²`, so `Δt ~ l² √(ρ/D)`: it takes over
-//! on meshes finer than about `√(D/Y)`, a few hundredths of a millimetre for 10⁻⁵ N·m and 10⁴ N/m. The estimate counts
-//! all elements; beyond it [`SymplecticEuler`](crate::SymplecticEuler) refuses the step.
+//! equilateral triangles `6 k/m` (tests). With m = ρ l² on the first grid, Δt = 0.765 l √(ρ/k). Membranes of triangles
+//! scale alike, `Δt ~ l √(ρ/Y)`. Bending of rigidity D resists a vertex with about `D/l²`, so `Δt ~ l² √(ρ/D)`: it
+//! takes over on meshes finer than about `√(D/Y)`, a few hundredths of a millimetre for 10⁻⁵ N·m and 10⁴ N/m. The
+//! estimate counts all elements; beyond it [`SymplecticEuler`](crate::SymplecticEuler) refuses the step.
 //!
 //! B. N. Parlett, *The Symmetric Eigenvalue Problem*, SIAM 1998, chapter 13, <https://doi.org/10.1137/1.9781611971163>.
 

@@ -178,7 +178,7 @@
 //! of which at most a meet at a vertex get between a and 2a − 1 colours. A cloth of 2¹⁹ vertices or more is visited by
 //! blocks of 2¹⁴ vertices, the colours of one block before the next.
 //! [`Sweep::Sequential`] keeps the order given and one thread. Jacobi sweeps solve all elements at the same positions;
-//! averaged, each makes the fraction 1/a of its correction, a the most elements, of all families, at one of its free
+//! averaged, each makes the fraction 1/b of its correction, b the most elements, of all families, at one of its free
 //! vertices. The fraction is that of the element: if each vertex divided what it receives by its own count, the two
 //! ends of a spring would be scaled differently, and momentum would be lost.
 //!
@@ -192,20 +192,21 @@
 //! | Chebyshev on Jacobi, in full | `cos(π/2N)/(1 + sin(π/2N))` | 29.3 |
 //! | Gauss–Seidel with `ω = 2/(1 + sin(π/2N))` | `ω − 1` | 14.6 |
 //!
-//! Jacobi's matrix `D⁻¹(L + U)` of this chain takes each link to the mean of its two neighbours, mirrored at the
+//! A Jacobi sweep takes the error of each link to the mean of its two neighbours, mirrored at the
 //! support and zero beyond the free end. So its eigenvectors are `cos((i − 1)θ)`, i = 1 … N, with `cos(Nθ) = 0`, the
-//! eigenvalues `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix Gauss–Seidel has their squares, from one
+//! eigenvalues `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix the eigenvalues of
+//! Gauss–Seidel are their squares (Young 1950), from one
 //! end to the other as well as by two colours: colours change the answer of unconverged sweeps, not this rate. One
 //! elimination would solve such a system exactly: not offered here, see the direct solver of `cloth-xpbd`.
 //!
 //! # How many substeps, how many iterations
 //! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses,
 //! swept once per substep from its support, hangs with a mean strain of `ε = g h² (N − 1)/(2 l)`; so a wanted ε takes
-//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest. If the chain falls at a speed v and is caught by its support, add up to
-//! v h/l until it has come to rest (for single links 2 v h/l if every other one is visited first). n ≤ N iterations of
-//! one substep divide the sag by n or a little more, n substeps by n². "As many iterations as the mesh is wide", a
-//! popular rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material needs
-//! another method: see the limits.
+//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest. A chain that falls at a speed v and is caught by its support is strained
+//! by up to v h/l more until it has come to rest (single links by 2 v h/l if every other one is visited first). n ≤ N
+//! iterations of one substep divide the sag by n or a little more, n substeps by n². "As many iterations as the mesh is
+//! wide", a popular rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material
+//! needs another method: see the limits.
 //!
 //! # Acceleration
 //! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω = 1 for the first sweeps, then
@@ -271,12 +272,12 @@
 //! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints), implemented by the
 //! crate `cloth-collide`) is handed over with [`StepInput::contacts`]. In each substep `begin_substep` finds what can
 //! touch on the free flight; `sweep`, last in each sweep, visits its rows `C = n·Σ aᵢ xᵢ − d̂ ≥ 0` (normal n, nearest
-//! points by their weights aᵢ, range d̂) with the compliance of contact, and friction, on positions too, within μ λ (μ
-//! dimensionless); `end_substep` tests all paths before the velocities follow from the positions. Contact comes last,
-//! so its rows are met best, and those of the cloth are disturbed; a prescribed vertex does not yield to it. What
-//! pushes the cloth out becomes velocity, unless `change_velocities` removes it: `cloth-collide` does so where there is
-//! a coefficient of restitution. The solver itself knows nothing of shapes, and runs no code for contact without a
-//! source.
+//! points by their weights aᵢ, range d̂) with the compliance of contact and a λ that these rows, unlike the cloth's,
+//! keep for the substep, and friction, on positions too, within μ λ (μ dimensionless); `end_substep` tests all paths,
+//! and stops what would cross, before the velocities follow from the positions. Contact comes last, so its rows are met
+//! best, and those of the cloth are disturbed; a prescribed vertex does not yield to it. What pushes the cloth out
+//! becomes velocity, unless `change_velocities` removes it: `cloth-collide` does so where there is a coefficient of
+//! restitution. The solver itself knows nothing of shapes, and runs no code for contact without a source.
 //!
 //! The strain that unconverged sweeps leave is elastic energy, which contact can release. A sheet of 64 × 64 vertices
 //! and 0.2 kg falls 5 cm onto a ball. With implicit Euler it falls by 0.32 m in all, worth 0.6 J; with the default of
@@ -287,9 +288,10 @@
 //!   substeps, a fixed stiffness outside [0, 1], relaxation outside (0, 2), …), or the element and the vertex
 //!   that does not exist. A mass that is not positive and finite is refused before, by [`Particles::new`]
 //!   ([`ParticleError::InvalidMass`](cloth_core::particles::ParticleError::InvalidMass)).
-//! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, or if gravity, loads,
-//!   positions or velocities are not finite (the first such vertex is named), and if its *result* is not
-//!   finite. In all cases the state is what it was before the step, and the solver can be used again.
+//! - **A step** is refused with a [`StepError`] if Δt is not positive and finite (`InvalidTimeStep`), or if gravity,
+//!   loads, positions or velocities are not finite (`NonFiniteInput`, with the first such vertex), and if its *result*
+//!   is not finite (`NonFinite`). In all cases the state is what it was before the step, and the solver can be used
+//!   again.
 //! - **A state or load of the wrong length** is a bug of the caller and panics. So is an element that names a
 //!   vertex twice, which panics with [`Sweep::Colored`] and is not noticed with the other sweeps.
 //! - **Degenerate elements are no error.** A row with w̃ = 0 is left alone: all its vertices prescribed, a tetrahedron

@@ -10,20 +10,26 @@ use cloth_core::step::BuildError;
 pub struct PdConfig {
     /// `Some(k)`: k iterations in every step (at least 1), exactly as many without a `tolerance`, at most as many with
     /// one. `None`: as many as it takes to come within [`velocity_tolerance`](Self::velocity_tolerance) or the
-    /// `tolerance`; ten in a step by another [`Acceleration`] than [`QuasiNewton`](Acceleration::QuasiNewton) that
-    /// touches nothing, which knows nothing of the former. A step of the quasi-Newton method from
+    /// `tolerance`. Plain and Chebyshev iterations do not know when they are within `velocity_tolerance`: without a
+    /// `tolerance` they take ten where nothing touches. A step of the quasi-Newton method from
     /// [`StartGuess::Inertial`] that would gain energy is taken again from `x[0]`, with as many.
     pub iterations: Option<u32>,
     /// Most iterations of a step with `iterations: None`; at least 1.
     pub most_iterations: u32,
-    /// A step with `iterations: None` and without a `tolerance` ends after ten iterations or more once
-    /// `√(∇Gᵀ B ∇G) ≤ τ ‖x − x̃‖_M/Δt`, B the inverse Hessian that the method has (τ dimensionless, at least 0): the
-    /// Newton decrement, as a speed, over the change of velocity that the forces have made. As pairs that mislead make
-    /// it small, five iterations must have lowered `G` by no more than `5 (τ ‖x − x̃‖_M/Δt)²` besides. It is an
-    /// estimate, weaker than a bound on the gradient: A is too stiff where cloth bends, so B, and this, come out too
-    /// small. With neither active contacts nor moving pins τ/2 takes the place of τ. With moving pins it is 0.3 τ, else
-    /// with active contacts τ, after thirty iterations at least. With active contacts a step ends, too, once
-    /// `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹. 0 asks for all `most_iterations`.
+    /// A step with `iterations: None` and without a `tolerance` ends once `√(∇Gᵀ B ∇G) ≤ ε ‖x − x̃‖_M/Δt`, B the
+    /// inverse Hessian that the method has: the Newton decrement, as a speed, over the change of velocity that the
+    /// forces have made. As pairs that mislead make it small, five iterations must have lowered `G` by no more than `5
+    /// (ε ‖x − x̃‖_M/Δt)²` besides. With τ this number (dimensionless, at least 0):
+    ///
+    /// | pins that move | active contacts | ε | iterations, at least |
+    /// |---|---|---|---|
+    /// | no | no | τ/2 | 10 |
+    /// | no | yes | τ | 30 |
+    /// | yes | either | 0.3 τ | 30 |
+    ///
+    /// It is an estimate, weaker than a bound on the gradient: A is too stiff where cloth bends, so B, and this, come
+    /// out too small. With active contacts a step ends, too, once `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
+    /// 0 asks for all `most_iterations`.
     pub velocity_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ
     /// dimensionless; C is the potential of contact, if there is any), and the report has that ratio as its residual.
@@ -81,8 +87,8 @@ pub enum Acceleration {
     /// thin cloth, which would be most of the factor; and with the coarse grid, if the solver was given one) as the
     /// initial inverse Hessian, and a line search on `G`.
     QuasiNewton {
-        /// Pairs of differences that are remembered (m in the paper), at most 32; with 0 each direction is that of one
-        /// global solve, else there are at least twenty in a step that is given contacts.
+        /// Pairs of differences that are remembered (m in the paper), 2 by default, at most 32; with 0 each direction
+        /// is that of one global solve, else there are at least twenty in a step that is given contacts.
         history: u32,
     },
 }

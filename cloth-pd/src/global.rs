@@ -199,8 +199,9 @@ impl GlobalSystem {
             let column = self.update.push(term.column.iter().filter(known).copied());
             self.update.set_inverse(column, column, 1.0 / term.weight);
         }
-        // A released vertex has the row of the identity. C = [[a − 1, 1], [1, 0]] on U = [e, the row beside its
-        // diagonal entry a] puts in its own.
+        // A released vertex has the row of the identity in the factor, and needs its own: its diagonal entry
+        // a = Σ w SᵀS + m/Δt² and, beside that, r. That is U C Uᵀ with U = [e, r] and C = [[a − 1, 1], [1, 0]], whose
+        // inverse is [[0, 1], [1, 1 − a]].
         let mut is_known: Vec<bool> = self.factored_mass.iter().map(Option::is_some).collect();
         for &vertex in changed.iter().filter(|v| released(v)) {
             let Some(mass) = self.mass[vertex] else {

@@ -213,7 +213,8 @@
 //! To drag, call [`PdSolver::prescribe`]: changing your `Particles` does nothing, the solver has a copy. Before every
 //! step set the velocity of the vertex to `(goal − x)/Δt`: a prescribed vertex goes on with the one that it has.
 //! [`Pins::steer`](cloth_core::Pins::steer) does so for paths. Softly: [`attach`](PdSolver::attach) once, then
-//! [`move_attachment`](PdSolver::move_attachment).
+//! [`move_attachment`](PdSolver::move_attachment). A load f holds an attached vertex f/k away from its target: with k a
+//! hundred times the stiffness of its springs, by a hundredth of what they are stretched.
 //!
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
@@ -240,8 +241,8 @@
 //! which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so. What does not make an iteration faster
 //! (AMD EPYC, Zen 4, one thread): the factor in single precision, by which the iteration converges as well; a number
 //! has to be widened before it is used, and a solve takes 83 µs instead of 63 at 64 a side, 480 instead of 360 at 128,
-//! 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes 5.7 and 8.3 times as long). Several
-//! sums side by side in the products with the bending matrix and with P: additions do not wait for each other as it is.
+//! 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes 5.7 and 8.3 times as long). More
+//! than two sums side by side in the products with the bending matrix: with two, additions hardly wait for each other.
 //! The coarse matrix is needed afresh in every step: kept for two, the kinetic energy of the swing (below) is −74 %
 //! instead of −44; taken several times in a step, no better than once.
 //!
@@ -280,8 +281,8 @@
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
 //!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
-//!   all is taken. The displacement to the start `x[0] + Δt v[0]` fades towards what is stopped
-//!   ([`FadingTruncation`](cloth_core::contact::FadingTruncation)), so that no edge is strained by it.
+//!   all is taken. On the way to the start `x[0] + Δt v[0]` vertices around one that is stopped are held back
+//!   too, by less the further away they are ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
 //! - **A trust radius bounds each direction.** A direction does not account for contacts that are not active yet.
 //!   Where cloth is light and soft it can be many times as long as the cloth: detection then has all of that path to
 //!   search, and truncation vertex by vertex leaves nothing of its shape. So the whole direction is scaled down to the
@@ -323,7 +324,8 @@
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`]: `OutOfRange` (no iterations, a spectral radius outside [0, 1), a
 //!   weight that is negative or not finite, rest positions of the coarse grid that do not match), `NoSuchVertex`,
-//!   `NoSuchView`, or `MatrixTooLarge`. `energy` never fails; its error is kept for `build`.
+//!   `NoSuchView`, or `MatrixTooLarge` (more entries than 32 bits count, or no memory for the factor). `energy` never
+//!   fails; its error is kept for `build`.
 //! - **A step** is refused with a [`StepError`]: `InvalidTimeStep` if Δt is not positive and finite, `NonFiniteInput`
 //!   or `NonFinite` if an input or the result is not finite (the vertex is named), `NotPositiveDefinite` if A is not to
 //!   working precision, `Contact` if contact cannot be resolved. The state is then what it was before the step.
@@ -438,8 +440,8 @@
 //!   *Why.* The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest
 //!   stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another
 //!   point of its swing: some settings happen to be right at the last step and 36 % off on average, and rounding alone
-//!   moves the last step by a tenth and more: with 10 cells and the springs added up in another order it had −28, −0.5
-//!   and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so
+//!   moves the last step by a tenth and more: with 10 cells, three orders of adding up the springs had −28, −0.5 and
+//!   −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so
 //!   that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the
 //!   cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have,
@@ -470,8 +472,10 @@
 //!   full step. Angular momentum is not: implicit Euler does not conserve it, and an iteration cut short less so.
 //! - Only energies of the form above. Springs, stitches, hinges flat or curved at rest or on midpoints,
 //!   as-rigid-as-possible triangles, strain limits and attachments have it; an energy with a varying stiffness does
-//!   not. Liu et al. (2017) go on to hyperelastic energies, with a w per element from the slope of its stress, which
-//!   shapes A alone. A plain iteration does not bound `G` with those, and they are not implemented here.
+//!   not. Liu et al. (2017) go on to hyperelastic energies, with a w per element from the mean slope of its stress over
+//!   the stretches that are expected, which shapes A alone: too small a w makes directions too long, which the line
+//!   search shortens, too large a one makes them short. They are not implemented here.
+//! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
 //! - A matrix in which elimination cancels all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m`
 //!   above some 10¹²) is reported as [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite), and

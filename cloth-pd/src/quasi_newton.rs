@@ -1,6 +1,10 @@
 //! L-BFGS that starts from the constant matrix (T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time
 //! simulation of hyperelastic materials", 2017, algorithm 2), and its line search.
 //!
+//! *Direction.* With pairs s = Δx, y = Δ∇G, the newest first: a = s·q/(s·y), q ← q − a y, from q = −∇G; then one global
+//! solve, p = A⁻¹ q (and the coarse correction); then, the oldest first, p ← p + (a − y·p/(s·y)) s (the two-loop
+//! recursion, Nocedal and Wright 2006, algorithm 7.4).
+//!
 //! *Pairs.* A step begins without any: another x̃ makes another `G`, and pairs of the step before made line searches
 //! necessary. A failed direction clears them too. Armijo's condition alone does not make yᵀs positive for a step s and
 //! its change y of the gradient; [`LimitedMemory`] leaves out a pair of which it is not, so B stays positive definite.

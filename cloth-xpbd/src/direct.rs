@@ -146,7 +146,7 @@
 //!   its budget ([`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent); [`DirectXpbd::residuals`]
 //!   says what is left).
 //! - The dual form with its upper bound is slow where links turn far in a step under a high tension, where `h² T/(m l)`
-//!   is much above one. Without geometric stiffness it is exact, and may be unable to converge there.
+//!   is much above one. Without geometric stiffness its elimination is exact, but the iteration may not converge there.
 //! - Dependent hard rows are solved with a small number added to the diagonal ([`DirectXpbd::regularization`]),
 //!   which refinement takes out again. If they are compatible they are met; λ is then one of many. If they
 //!   contradict one another the step ends between them, and its residual says so. A *flat* sheet of hard edges

@@ -116,8 +116,8 @@
 //! [limits](#limits).
 //!
 //! **Beside projective dynamics**, which lowers the same G in x with one constant matrix for all elements at once: XPBD
-//! eliminates x by `x = x̃ + M⁻¹ Jᵀ λ` and relaxes the system that is left in λ, the *dual* one above, row by row. So
-//! hard rows cost XPBD nothing and long stiff chains do, and with projective dynamics it is the other way round.
+//! eliminates x by `x = x̃ + M⁻¹ Jᵀ λ` and relaxes the system that is left in λ, the *dual* one above, row by row. Its
+//! sweeps are slow on long stiff chains and no slower for hard rows; a constant matrix knows chains, but not k = ∞.
 //!
 //! # The step
 //! ```text
@@ -158,7 +158,7 @@
 //! | `C + α̃λ` and α̃, damping | `update.rs`: `XpbdUpdate::equation` |
 //! | Δλ and `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/method/position_based/correction.rs` |
 //! | the loop over rows | [`Families::sweep`], in the order of [`Sweep`] |
-//! | colours of each family (from 2¹⁹ vertices on of blocks of vertices) | `cloth-core/src/method/coloring.rs` |
+//! | colours of each family (from 2¹⁹ vertices on block by block of 2¹⁴) | `cloth-core/src/method/coloring.rs` |
 //! | extrapolated sweeps, λ together with x | [`Chebyshev`] |
 //! | the loop over substeps and sweeps | [`XpbdSolver`]: `solver.rs` |
 //! | `max abs(C + α̃λ)` | [`XpbdSolver::compliance_residual`] |
@@ -326,8 +326,8 @@
 //! found (`end_substep`), and may change those afterwards (`change_velocities`). A contact is a row
 //! `C = n·Σ bᵢ xᵢ − d̂ ≥ 0`, with bᵢ barycentric weights, negative on one side. It is the energy ψ(d) per area of
 //! `cloth_collide::potential` with its slope ψ′ linearised at the distance d of the start: compliance 1/(A ψ″) for the
-//! area A, and `d̂ = d − ψ′/ψ″`, the zero of that line. From half the thickness on d̂ is the thickness (half of it
-//! between two edges), below it is less. In a visit, with `ŵ = Σ wᵢ bᵢ²`,
+//! area A, and `d̂ = d − ψ′/ψ″`, the zero of that line. Where d is at least half of the range, d̂ is the range, the
+//! thickness (between two edges half of it); for less it is less. In a visit, with `ŵ = Σ wᵢ bᵢ²`,
 //!
 //! ```text
 //! Δλ = max(−λ, −(C + α̃λ)/(ŵ + α̃)),   λ_t ← λ_t − u/ŵ, cut to ‖λ_t‖ ≤ μ λ
@@ -395,7 +395,7 @@
 //!   that names a vertex twice.
 //! - **Degenerate elements are no error.** The two ends of a spring that coincide are driven apart in a
 //!   direction that depends on their numbers only; a row whose gradient vanishes (of a triangle that has become a
-//!   point) is left alone, and so are rows between prescribed vertices and rows of zero stiffness.
+//!   point) moves nothing, and neither do rows between prescribed vertices and rows of zero stiffness.
 //! - **Meshes and masses** are checked where they are made: `Particles::new` refuses masses that are not positive and
 //!   finite, `TriMesh::new` triangles without area, `Cloth::on` edges of three triangles. An element made by hand on
 //!   such a rest shape has no stiffness, or coefficients that are not finite: its first step is refused.

@@ -37,9 +37,9 @@ impl NearPairs {
         Ok(cap)
     }
 
-    /// Takes vertices back on their paths (m) until every near pair keeps [`SLACK`] of its distance: all of a pair that
-    /// does not alike, and again where that brings others too near. `parts` is what is left of each path. Returns
-    /// whether that changed anything.
+    /// Takes vertices back on their paths (m) until every near pair keeps [`SLACK`] of its distance: all vertices of a
+    /// pair that does not by the same fraction, and again where that brings others too near. `parts` is what is left of
+    /// each path. Returns whether that changed anything.
     pub(super) fn shorten(
         &mut self,
         thickness: Real,

@@ -80,8 +80,8 @@ impl Sticking {
         (displacement * (self.most / length.max(reach)), length)
     }
 
-    /// The second derivative at `x` (m): beyond ε friction turns with u, and does not grow along it. Along u it should
-    /// be 0 there; ε²/u² of that across is kept, so that it does not jump.
+    /// The second derivative at `x` (m): beyond ε friction turns with u, and does not grow along it. So the stiffness
+    /// across u is F/u, and along u should be 0; ε²/u² of F/u is kept, so that it does not jump at u = ε.
     pub(super) fn rows(&self, reach: Real, x: &[Vec3]) -> [ContactRow; 2] {
         let displacement = self.displacement(x);
         let length = displacement.norm();

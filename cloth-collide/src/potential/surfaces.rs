@@ -32,7 +32,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
 /// [`ContactError::Infeasible`]; prescribed vertices of the cloth may be inside of bodies. The start of a step must be
 /// free of crossings; it is if the last step ended there, and if anything else has moved the cloth since, all near
-/// pairs of triangles are tested exactly, and crossing ones are [`ContactError::IntersectingStart`].
+/// pairs of triangles are tested exactly, and crossing ones are [`ContactError::IntersectingStart`]. Not promised is
+/// anything of pairs that the builder was told to exclude or that are sewn together, of the cloth with itself without
+/// self-collision, and of pairs that cross at the start and are let go until they are apart.
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,

@@ -66,8 +66,9 @@ impl ConstraintUpdate for TetherUpdate {
                 0.0
             }
             Self::Project(fraction) => {
-                // λ ← min(0, λ − C/w̃), and where that is 0, λ ← max(0, λ − (C − C₀)/w̃) with C₀ ≤ 0 where it was
-                // shortest, and C and C − C₀ times the fraction; all times w̃, which saves two divisions.
+                // A link that is too long pulls: λ ← min(0, λ − f C/w̃), f the fraction. One that does not pull pushes
+                // where it has become shorter than at the start, C₀ = min(C, 0) there: λ ← max(0, λ − f (C − C₀)/w̃).
+                // Both times w̃, which saves two divisions.
                 let multiplier = memory.lambda * row.weight;
                 let pull = multiplier - fraction * row.value;
                 let push = multiplier - fraction * (row.value - memory.shortest);
