@@ -360,9 +360,10 @@ impl Minimizer {
             report.iterations += 1;
             report.linear_solves += 1;
             let (g, direction) = (&self.current.gradient, &mut self.direction);
-            let (slope, solves) = method.direction(g, direction);
+            let (slope, left, solves) = method.direction(g, direction);
             report.linear_iterations += solves;
-            let decrement = (-slope).max(0.0).sqrt();
+            // A pair that is nearly closed has most of the gradient, and a solve to a tenth may leave all other forces.
+            let decrement = (left - slope).max(0.0).sqrt();
             if slope >= 0.0 || slope.is_nan() {
                 // Uphill: the pairs, or a matrix that rounding has made indefinite, mislead.
                 if method.restart() {

@@ -167,9 +167,9 @@ impl QuasiNewton {
         self.cut >= MOST_CUT
     }
 
-    /// Writes the direction (m) for a gradient (N) to `out`. Returns the slope along it (J), and how many linear
-    /// iterations that took.
-    pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, u32) {
+    /// Writes the direction (m) for a gradient (N) to `out`. Returns the slope along it (J), by how much the square of
+    /// the Newton decrement is more than the slope says (J), and how many linear iterations that took.
+    pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, Real, u32) {
         self.iterations += 1;
         self.age += 1;
         let is_cut_short = self.is_cut_short();
@@ -188,12 +188,12 @@ impl QuasiNewton {
                 is_free: &self.is_free,
             };
             let method = &mut self.truncated_newton;
-            let iterations = method.solve(operator, inverse, gradient, out);
-            return (dot(gradient, out), iterations);
+            let (left, iterations) = method.solve(operator, inverse, gradient, out);
+            return (dot(gradient, out), left, iterations);
         }
         let (history, work) = (&mut self.history, &mut self.work);
         self.slope = history.direction(gradient, work, out, inverse);
-        (self.slope, 1)
+        (self.slope, 0.0, 1)
     }
 
     /// Takes notice of a step that contact has cut to `part` of its direction. A volume that is kept cuts steps by

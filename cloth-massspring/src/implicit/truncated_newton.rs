@@ -52,15 +52,15 @@ pub(super) struct TruncatedNewton {
 }
 
 impl TruncatedNewton {
-    /// Writes `−H⁻¹ g` (m), nearly, to `out` for a gradient g (N), with `inverse` near H⁻¹. Returns the number of
-    /// iterations.
+    /// Writes `p = −H⁻¹ g` (m), nearly, to `out` for a gradient g (N), with `inverse` near H⁻¹. Returns `rᵀ H⁻¹ r` (J) of
+    /// the residual r that is left, nearly, and the number of iterations: `gᵀ H⁻¹ g = −gᵀ p + rᵀ H⁻¹ r`.
     pub(super) fn solve(
         &mut self,
         operator: Operator<'_>,
         mut inverse: impl FnMut(&[Vec3], &mut [Vec3]),
         gradient: &[Vec3],
         out: &mut [Vec3],
-    ) -> u32 {
+    ) -> (Real, u32) {
         let lists = [
             &mut self.residual,
             &mut self.solved,
@@ -82,14 +82,14 @@ impl TruncatedNewton {
             let length = size / dot(&self.direction, &self.product);
             if !(length.is_finite() && length > 0.0) {
                 // A gradient of zero, or a matrix that rounding has made indefinite.
-                return iteration;
+                return (size, iteration);
             }
             add(out, length, &self.direction);
             add(&mut self.residual, -length, &self.product);
             inverse(&self.residual, &mut self.solved);
             let next = dot(&self.residual, &self.solved);
             if next <= RELATIVE_TOLERANCE * RELATIVE_TOLERANCE * first {
-                return iteration;
+                return (next, iteration);
             }
             let ratio = next / size;
             size = next;
@@ -97,6 +97,6 @@ impl TruncatedNewton {
                 *p = z + *p * ratio;
             }
         }
-        MAX_ITERATIONS
+        (size, MAX_ITERATIONS)
     }
 }
