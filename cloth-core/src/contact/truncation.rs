@@ -6,7 +6,7 @@
 //!
 //! H. Zhao, "A fast sweeping method for eikonal equations", Mathematics of Computation 74, 2005.
 
-use super::{ContactError, ContactPotential};
+use super::{ContactError, ContactPotential, ContactStep};
 use crate::math::{Real, Vec3};
 
 /// Strain of an edge that a truncation may make (dimensionless).
@@ -20,6 +20,29 @@ pub struct FadingTruncation {
 }
 
 impl FadingTruncation {
+    /// Begins a step with contact, and truncates the path to where its iteration starts (m), which each prescribed
+    /// vertex reaches. `feasible` becomes the positions (m) free of crossings from where that was done.
+    ///
+    /// # Errors
+    /// Those of [`ContactPotential::begin`] and [`ContactPotential::limit_each`].
+    pub fn begin<N: IntoIterator<Item = usize>>(
+        &mut self,
+        contact: &mut dyn ContactPotential,
+        step: &ContactStep<'_>,
+        feasible: &mut [Vec3],
+        start: &mut [Vec3],
+        neighbours: impl Fn(usize) -> N,
+    ) -> Result<(), ContactError> {
+        for (v, x) in feasible.iter_mut().enumerate() {
+            *x = match step.inverse_mass[v] == 0.0 {
+                true => start[v],
+                false => step.from[v],
+            };
+        }
+        contact.begin(step, feasible)?;
+        self.limit(contact, feasible, start, neighbours)
+    }
+
     /// Takes vertices back on their straight paths from `from` to `to` (m), one position per vertex, until all paths
     /// together are safe, as [`limit_each`](ContactPotential::limit_each) does, but fading: what is taken of the paths
     /// of two neighbours differs by at most 3 % of their distance. `neighbours(v)` are those of vertex v; of two

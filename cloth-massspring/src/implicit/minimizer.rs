@@ -137,12 +137,6 @@ impl Minimizer {
         contact: &mut dyn ContactPotential,
     ) -> Result<(), ContactError> {
         let (start, feasible) = (&mut self.current.positions, &mut self.next.positions);
-        feasible.copy_from_slice(start);
-        let vertices = feasible.iter_mut().zip(step.from).zip(&self.is_free);
-        for ((x, from), _) in vertices.filter(|(_, is_free)| **is_free) {
-            *x = *from;
-        }
-        contact.begin(step, feasible)?;
         let pattern = self
             .neighbours
             .get_or_insert_with(|| Arc::clone(energies.lumped_assembly().pattern()));
@@ -150,7 +144,8 @@ impl Minimizer {
             let slots = pattern.row(v);
             pattern.columns()[slots].iter().map(|&u| u as usize)
         };
-        self.truncation.limit(contact, feasible, start, columns)
+        self.truncation
+            .begin(contact, step, feasible, start, columns)
     }
 
     /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one Newton

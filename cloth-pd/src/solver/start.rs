@@ -33,20 +33,12 @@ impl PdSolver {
         dt: Real,
         contact: &mut dyn ContactPotential,
     ) -> Result<(), ContactError> {
-        let particles = &self.objective.particles;
         let q = &mut self.point.displacement;
-        self.feasible.copy_from_slice(&state.positions);
-        for (vertex, x) in self.feasible.iter_mut().enumerate() {
-            if particles.is_prescribed(vertex) {
-                *x += q[vertex];
-            }
-        }
         let taken = ContactStep {
             from: &state.positions,
-            inverse_mass: particles.inverse_mass(),
+            inverse_mass: self.objective.particles.inverse_mass(),
             dt,
         };
-        contact.begin(&taken, &mut self.feasible)?;
         let to = &mut self.point.positions;
         for ((to, x), q) in to.iter_mut().zip(&state.positions).zip(&*q) {
             *to = x + q;
@@ -56,8 +48,9 @@ impl PdSolver {
             let columns = stiffness.outer_view(v).map(|row| row.into_raw_storage().0);
             columns.unwrap_or_default().iter().copied()
         };
+        let feasible = &mut self.feasible;
         self.truncation
-            .limit(contact, &self.feasible, to, neighbours)?;
+            .begin(contact, &taken, feasible, to, neighbours)?;
         for ((q, to), x) in q.iter_mut().zip(&*to).zip(&state.positions) {
             // A displacement that is not truncated keeps all digits.
             if *to != x + *q {
