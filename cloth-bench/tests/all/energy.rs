@@ -327,7 +327,7 @@ fn a_ball_that_lands_by_projective_dynamics_is_not_torn_by_its_start() {
 
 /// A sheet whose corners are pulled snaps taut over a capsule. One pair is nearly closed and has nearly all of the
 /// gradient; a linear solve to a tenth of that leaves all other forces, so its direction says nothing of the end. Taken
-/// for it, the step ended with 10⁵ N on the capsule and 40 times the energy that was given.
+/// for it, the step ended with 10⁵ N on the capsule and 38 times the energy that was given.
 #[test]
 fn a_nearly_closed_pair_does_not_end_an_implicit_step() {
     let scene = written(
