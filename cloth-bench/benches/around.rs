@@ -1,11 +1,6 @@
 //! What is around the steps: yardsticks, the air, strain limiting, coarse corrections, crossings and distances, frames
 //! of films and exports, pictures.
 
-#[path = "support/limit.rs"]
-mod limit;
-#[path = "support/sheet.rs"]
-mod sheet;
-
 use cloth_bench::export::{Export, Format};
 use cloth_bench::report::player::Film;
 use cloth_bench::report::render::{Surface, View, render};
@@ -19,7 +14,8 @@ use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepInput, StepReport};
 use cloth_pbd::{Hierarchy, HierarchyConfig, StrainLimiter, StretchRange};
 use criterion::{Criterion, Throughput};
-use sheet::shaken;
+use support::sheet::shaken;
+use support::{limit, sheet};
 
 const SIDES: [u32; 3] = [32, 128, 256];
 

@@ -4,9 +4,6 @@
 //! tree's search alone; `again` a later call, which for the tree is refit and query, for the cells filling and query;
 //! `candidates` all from positions to sorted vertex–triangle and edge–edge pairs.
 
-#[path = "support/limit.rs"]
-mod limit;
-
 use cloth_bench::crumpled::{BROAD_PHASES, accordion, boxes};
 use cloth_collide::{ClothCandidates, Hierarchy};
 use cloth_core::math::{Real, Vec3};
@@ -16,6 +13,7 @@ use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use std::hint::black_box;
+use support::limit;
 
 /// How near (m) pieces have to come to be of interest.
 const MARGIN: Real = 0.002;

@@ -2,14 +2,12 @@
 //! that criterion prints is queries per second. How often a method is wrong stands in its name, because a fast wrong
 //! answer is no answer.
 
-#[path = "support/limit.rs"]
-mod limit;
-
 use cloth_bench::ccd::exact_queries::{ExactQueries, Family, Truth};
 use cloth_bench::ccd::{METHODS, generate};
 use cloth_collide::{Query, QueryKind};
 use criterion::{Criterion, Throughput};
 use std::hint::black_box;
+use support::limit;
 
 const COUNT: usize = 2_000;
 const SEED: u64 = 1;

@@ -3,11 +3,6 @@
 //!
 //! The throughput that criterion prints is elements per second, so its inverse is the time of one.
 
-#[path = "support/limit.rs"]
-mod limit;
-#[path = "support/sheet.rs"]
-mod sheet;
-
 use cloth_core::cloth::{Cloth, Elements, Membrane, MembraneCarrier};
 use cloth_core::element::{Constraint, Convexity, Energy, Projective};
 use cloth_core::energy::{
@@ -24,7 +19,8 @@ use cloth_core::topology::{EdgeTable, HingeTable};
 use cloth_pd::LocalStep;
 use criterion::{Criterion, Throughput};
 use rayon::ThreadPoolBuilder;
-use sheet::{Compliant, coloured, shaken, sweep_bytes};
+use support::limit;
+use support::sheet::{Compliant, coloured, shaken, sweep_bytes};
 
 const SIDES: [usize; 3] = [32, 128, 256];
 /// N/m.

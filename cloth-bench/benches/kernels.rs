@@ -4,11 +4,6 @@
 //! Elements have a bench of their own (`elements`), sweeps (`sweeps`), what projective dynamics does with its factor
 //! (`projective`).
 
-#[path = "support/limit.rs"]
-mod limit;
-#[path = "support/sheet.rs"]
-mod sheet;
-
 use cloth_bench::scene::Scene;
 use cloth_core::element::{Convexity, Element};
 use cloth_core::energy::Spring;
@@ -21,8 +16,9 @@ use cloth_core::method::linear::{
 use cloth_pd::PanelFactor;
 use cloth_xpbd::direct::Minres;
 use criterion::{Criterion, Throughput};
-use limit::Moved;
-use sheet::sheet;
+use support::limit;
+use support::limit::Moved;
+use support::sheet::sheet;
 
 const SIDES: [u32; 3] = [64, 128, 256];
 

@@ -1,8 +1,5 @@
 //! What a vertex costs against an obstacle: one signed distance, one swept search, for every shape.
 
-#[path = "support/limit.rs"]
-mod limit;
-
 use cloth_collide::obstacle::{
     Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, RigidMotion, SampledDistance, Sphere,
     VertexPath, first_contact,
@@ -11,6 +8,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate;
 use criterion::{Criterion, Throughput};
 use std::hint::black_box;
+use support::limit;
 
 fn obstacles() -> Vec<(&'static str, Obstacle)> {
     let turning = RigidMotion {

@@ -1,9 +1,6 @@
 //! What a step of projective dynamics is made of, on the hanging sheet: the global solve against the library's, the
 //! factorisation, the correction for changed rows, the local step, whole steps.
 
-#[path = "support/limit.rs"]
-mod limit;
-
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
 use cloth_bench::studies::{constant_matrix, local_bytes, move_bytes};
@@ -14,6 +11,7 @@ use cloth_pd::{Acceleration, LocalStep, PdConfig, PdSolver};
 use cloth_pd::{PanelFactor, WoodburyUpdate};
 use criterion::{Criterion, Throughput};
 use std::hint::black_box;
+use support::limit;
 
 fn sheet(side: u32) -> Scene {
     scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")

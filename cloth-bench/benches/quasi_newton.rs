@@ -5,9 +5,6 @@
 //! that are read and of one two that are written. The searches for a step length may try more with some histories than
 //! with others, so each line prints how many.
 
-#[path = "support/limit.rs"]
-mod limit;
-
 use cloth_bench::scene;
 use cloth_bench::settings::Settings;
 use cloth_bench::studies::constant_matrix;
@@ -15,7 +12,8 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pd::{Acceleration, PdConfig, PdSolver};
 use criterion::Criterion;
-use limit::Moved;
+use support::limit;
+use support::limit::Moved;
 
 const ITERATIONS: u32 = 10;
 

@@ -6,9 +6,6 @@
 //! without looking for contact of the cloth with itself. All start from the same positions each time, which are safe
 //! because a step that stays there comes before, outside of the time.
 
-#[path = "support/limit.rs"]
-mod limit;
-
 use cloth_bench::crumpled::accordion;
 
 use cloth_collide::obstacle::{HalfSpace, Obstacle, Pose, RigidMotion};
@@ -18,6 +15,7 @@ use cloth_core::math::{Real, Vec3};
 use criterion::Criterion;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
+use support::limit;
 
 const THICKNESS: Real = 0.002;
 /// Sweeps over the contacts of a step.

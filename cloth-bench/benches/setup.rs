@@ -1,9 +1,6 @@
 //! What happens once, before the first step: tables, colours, orders, files, symbolic factorisation, the rank of the
 //! edges.
 
-#[path = "support/limit.rs"]
-mod limit;
-
 use cloth_core::dof::EdgeRank;
 use cloth_core::energy::{CurvatureHinge, Spring};
 use cloth_core::math::Vec3;
@@ -17,6 +14,7 @@ use cloth_core::particles::Particles;
 use cloth_core::topology::{EdgeTable, HingeTable, Topology};
 use cloth_pbd::{Hierarchy, HierarchyConfig};
 use criterion::{Criterion, Throughput};
+use support::limit;
 
 const SIDES: [usize; 3] = [32, 128, 256];
 

@@ -4,18 +4,14 @@
 //! The limit is that of reading the state and the elements once and writing the state: what no method can do without,
 //! however few iterations it needs.
 
-#[path = "support/limit.rs"]
-mod limit;
-#[path = "support/sheet.rs"]
-mod sheet;
-
 use cloth_bench::method::{METHODS, Method};
 use cloth_bench::scene;
 use cloth_bench::settings::Settings;
 use cloth_bench::yardstick::StepProblem;
 use cloth_core::step::StepInput;
 use criterion::Criterion;
-use sheet::sheet;
+use support::limit;
+use support::sheet::sheet;
 
 fn steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step of the hanging sheet");

@@ -1,11 +1,6 @@
 //! Gauss–Seidel sweeps over the hanging sheet: time per element, on one thread and on two, beside the loop that one
 //! would write first; by size, by order of the vertices, by method and precision.
 
-#[path = "support/limit.rs"]
-mod limit;
-#[path = "support/sheet.rs"]
-mod sheet;
-
 use cloth_bench::method::Method;
 use cloth_bench::settings::Settings;
 use cloth_core::element::{Constraint, Element};
@@ -18,9 +13,10 @@ use cloth_core::step::StepInput;
 use cloth_core::topology::EdgeTable;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput};
-use limit::Moved;
 use rayon::ThreadPoolBuilder;
-use sheet::{Compliant, coloured, shaken, sheet, sweep_bytes};
+use support::limit;
+use support::limit::Moved;
+use support::sheet::{Compliant, coloured, shaken, sheet, sweep_bytes};
 
 /// Springs in the order of their vertices over arrays of three numbers: the loop of a first program.
 fn first_loop(springs: &[Spring], lambda: &mut [Real], w: &[Real], x: &mut [[Real; 3]]) {

@@ -1,14 +1,12 @@
 //! The slow way out of contact: pulling apart what is tangled.
 
-#[path = "support/limit.rs"]
-mod limit;
-
 use cloth_collide::untangle::{UntangleOutcome, Untangler};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, join};
 use criterion::{Criterion, Throughput};
-use limit::Moved;
+use support::limit;
+use support::limit::Moved;
 
 /// A sheet of `size` × `size` (m) around the origin, moved.
 fn sheet(side: usize, size: Real, place: impl Fn(Vec3) -> Vec3) -> TriMesh {

@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Runs the benches of a program: all of them, or those whose names contain the argument of `cargo bench`.
-pub(crate) fn main(targets: &[fn(&mut Criterion)]) {
+pub fn main(targets: &[fn(&mut Criterion)]) {
     let started = Instant::now();
     let mut criterion = Criterion::default()
         .warm_up_time(Duration::from_millis(200))
@@ -30,8 +30,8 @@ pub(crate) fn main(targets: &[fn(&mut Criterion)]) {
 }
 
 /// What a kernel moves.
-#[derive(Clone, Copy)]
-pub(crate) struct Moved {
+#[derive(Clone, Copy, Debug)]
+pub struct Moved {
     /// Everything that one pass reads or writes.
     bytes: usize,
     passes: usize,
@@ -45,8 +45,8 @@ impl From<usize> for Moved {
 
 impl Moved {
     /// The same bytes again and again: as fast as so many come, however often.
-    #[allow(dead_code)] // few benches iterate
-    pub(crate) fn times(passes: u32, bytes: usize) -> Self {
+    #[must_use]
+    pub fn times(passes: u32, bytes: usize) -> Self {
         let passes = passes as usize;
         Self { bytes, passes }
     }
@@ -54,8 +54,7 @@ impl Moved {
 
 /// Times `work` as criterion does, and prints the shortest time beside the limit for what it moves. Nothing is printed
 /// for what a filter leaves out.
-#[allow(dead_code)] // few benches keep their own time
-pub(crate) fn bench<O>(
+pub fn bench<O>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: impl Into<String>,
     moved: impl Into<Moved>,
@@ -72,8 +71,7 @@ pub(crate) fn bench<O>(
 
 /// The same with work on the threads of a pool, entered before the clock starts: going in takes longer than a small
 /// sweep.
-#[allow(dead_code)] // few benches choose their threads
-pub(crate) fn bench_in<O>(
+pub fn bench_in<O>(
     pool: &ThreadPool,
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: impl Into<String>,
@@ -92,7 +90,7 @@ pub(crate) fn bench_in<O>(
 }
 
 /// The same where `time` does the work so many times and says how long it took.
-pub(crate) fn timed(
+pub fn timed(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,
     moved: impl Into<Moved>,

@@ -1,6 +1,4 @@
-//! The sheet of the benches, and the rule by which its constraints are swept. Each bench uses a part of it.
-
-#![allow(dead_code)]
+//! The sheet of the benches, and the rule by which its constraints are swept.
 
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
@@ -11,12 +9,17 @@ use cloth_core::method::position_based::{
 };
 
 /// The hanging sheet of `side` × `side` vertices.
-pub(crate) fn sheet(side: u32) -> Scene {
+///
+/// # Panics
+/// For sides that the scene refuses.
+#[must_use]
+pub fn sheet(side: u32) -> Scene {
     scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")
 }
 
 /// A sheet that is not at rest, so that no correction is zero.
-pub(crate) fn shaken(rest: &[Vec3]) -> Vec<Vec3> {
+#[must_use]
+pub fn shaken(rest: &[Vec3]) -> Vec<Vec3> {
     let noise = |i: usize| Vec3::from_fn(|axis, _| (1e3 * (i + 7 * axis) as Real).sin());
     let size = 0.1 / (rest.len() as Real).sqrt();
     let shaken = rest.iter().enumerate();
@@ -25,11 +28,11 @@ pub(crate) fn shaken(rest: &[Vec3]) -> Vec<Vec3> {
 
 /// XPBD's rule, with substeps of 1 ms.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Compliant;
+pub struct Compliant;
 
 /// λ and α̃.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Multiplier {
+pub struct Multiplier {
     total: Real,
     scaled_compliance: Real,
 }
@@ -57,7 +60,10 @@ impl ConstraintUpdate for Compliant {
 }
 
 /// One family of constraints, colour by colour.
-pub(crate) fn coloured<const N: usize, E: Constraint<N>>(
+///
+/// # Panics
+/// For elements of vertices that are not there.
+pub fn coloured<const N: usize, E: Constraint<N>>(
     vertex_count: usize,
     elements: &[E],
 ) -> Families<Compliant> {
@@ -69,7 +75,7 @@ pub(crate) fn coloured<const N: usize, E: Constraint<N>>(
 
 /// Bytes that a sweep has to read (elements, multipliers, positions, inverse masses `w`) and to write (multipliers,
 /// positions).
-pub(crate) fn sweep_bytes<const N: usize, E: Constraint<N>>(elements: &[E], w: &[Real]) -> usize {
+pub fn sweep_bytes<const N: usize, E: Constraint<N>>(elements: &[E], w: &[Real]) -> usize {
     let multipliers = elements.len() * E::Rows::LEN * size_of::<Multiplier>();
     size_of_val(elements) + 2 * multipliers + size_of_val(w) + 2 * size_of::<Vec3>() * w.len()
 }

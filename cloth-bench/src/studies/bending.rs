@@ -137,7 +137,7 @@ fn elastica(study: &mut StudyRun<'_>) -> Option<Real> {
     let of_model = |model| loads(scope).iter().map(move |&gamma| (model, gamma));
     let points: Vec<((&str, Model), Real)> = MODELS.into_iter().flat_map(of_model).collect();
     let asked = points.len();
-    let found = study.grid(
+    let found = study.grid_side_by_side(
         points,
         |((name, _), gamma)| format!("{name}, Γ = {gamma}"),
         |&(model, gamma)| Hanging::at_rest(gamma, model, strip(rows(scope))),
@@ -192,7 +192,7 @@ fn refinement(study: &mut StudyRun<'_>) {
             .into_iter()
             .flat_map(move |model| of_model(gamma, model))
     };
-    let found = study.grid(
+    let found = study.grid_side_by_side(
         REFINED_LOADS.into_iter().flat_map(of_load),
         |(gamma, (name, _), rows)| format!("{name}, Γ = {gamma}, {rows} rows"),
         |&(gamma, model, rows)| Hanging::at_rest(gamma, model, long_triangles(rows)),
@@ -272,7 +272,7 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
         "settled: sphere",
     ]);
     let on_patterns = |model| Pattern::NAMES.iter().map(move |&pattern| (model, pattern));
-    let found = study.grid(
+    let found = study.grid_side_by_side(
         MODELS.into_iter().flat_map(on_patterns),
         |((name, _), (pattern, _))| format!("{name} on {pattern}"),
         |&((_, model), (_, pattern))| {
@@ -294,7 +294,7 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
         std::iter::once((name.to_owned(), pattern, false)).chain(settled)
     });
     let at = |pattern, settled, degrees| bent(Model::Bergou, pattern, (0, degrees, settled));
-    let by_direction = study.grid(
+    let by_direction = study.grid_side_by_side(
         settling,
         |(label, ..)| format!("cylinder on {label}"),
         |&(_, pattern, settled)| {

@@ -75,7 +75,7 @@ fn chains(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let (tips, efforts) = (tips(study.scope), efforts(study.scope));
     let of_effort = |(spent, tip)| efforts.iter().map(move |&count| (spent, tip, count));
     let of_spent = |spent| tips.iter().map(move |&tip| (spent, tip));
-    let found = study.grid(
+    let found = study.grid_side_by_side(
         SPENT.into_iter().flat_map(of_spent).flat_map(of_effort),
         |((spent, _), tip, count)| format!("tip of {tip} kg, {count} {spent}"),
         |&((spent, other), tip, count)| {
@@ -236,7 +236,7 @@ fn substeps(study: &mut StudyRun<'_>) -> String {
             expected,
         }
     };
-    let rows = study.grid(
+    let rows = study.grid_side_by_side(
         hung().flat_map(|hung| {
             wanted(scope)
                 .iter()
@@ -297,7 +297,7 @@ fn iterations(study: &mut StudyRun<'_>) -> String {
             other,
         })
     };
-    let rows = study.grid(
+    let rows = study.grid_side_by_side(
         hung().flat_map(exchanged),
         |p| format!("{}, {}, {ROW} {}", p.hung_by, p.sweep, p.spent),
         |Exchanged {

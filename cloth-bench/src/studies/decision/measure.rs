@@ -19,9 +19,13 @@ fn budget(scope: Scope) -> Duration {
     scope.pick(Duration::from_secs(2), Duration::from_secs(20))
 }
 
-/// Steps of the hanging sheet that are timed, or fewer if one takes longer than [`LONG`] (ms).
+/// Steps of the hanging sheet that are timed, or fewer if one takes longer than [`long`].
 const TIMED: [u32; 2] = [3, 16];
-const LONG: Real = 300.0;
+
+/// A long step (ms).
+fn long(scope: Scope) -> Real {
+    scope.pick(30.0, 300.0)
+}
 
 /// What a step takes.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -48,7 +52,7 @@ impl Cost {
             let Ok(mut size) = scale::alone(method, side, few, budget)? else {
                 continue;
             };
-            if size.ms_per_step < LONG
+            if size.ms_per_step < long(scope)
                 && let Ok(longer) = scale::alone(method, side, many, budget)?
             {
                 size = longer;
