@@ -20,7 +20,8 @@
 //! Memory: 48 bytes a box, 8 a pair of boxes; besides, the tree, or 16 bytes for each cell that a box is in (32 in the
 //! hash, which sorts into a second list), one to eight for a box of typical size. The tree is refitted in every search,
 //! and built anew only for another number of boxes. [`potential`](crate::potential) has boxes around patches of at most
-//! 32 triangles instead, and searches among them when a patch has gone a mean edge or more.
+//! 32 triangles instead, moved outwards by a mean edge or more and h/2, and searches among them when a patch has gone
+//! so far.
 
 mod candidates;
 mod cells;

@@ -37,10 +37,11 @@
 //!
 //! [`ContinuousTest`] finds such planes, which turn along with the nearest face, edge or corner of the polygon, and
 //! steps through time from one to the next. Signs of a few cubics are all that is proved, and all that rounding could
-//! spoil; so the allowance for it is small and explicit, and no contact is missed. The textbook's way is the other one
-//! round: it looks for the times at which the four vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀
-//! in the differences x_k above, and then for contact there. It is short and fast, and it misses what is in one plane
-//! all the time. `cloth-bench ccd` tells which method errs how often, on queries for which the answer is known exactly.
+//! spoil; so the allowance for it is small and explicit, and no contact is missed. A graze and parallel edges take a
+//! [few steps](ContinuousTest#how-many-steps). The textbook's way is the other one round: it looks for the times at
+//! which the four vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀ in the differences x_k above, and
+//! then for contact there. It is short and fast, and it misses what is in one plane all the time. `cloth-bench ccd`
+//! tells which method errs how often, on queries for which the answer is known exactly.
 //!
 //! # Contact in the solve, in five steps
 //!
@@ -88,14 +89,16 @@
 //! Pairs of primitives between patches of a large cloth are searched on several threads, with the feature `parallel` of
 //! `cloth-core`; all else runs on the thread that calls. A thread fills the lists of its own pairs of patches, and each
 //! list is sorted by d − h and then by vertices; nothing is added up across threads. Sums and sweeps go through these
-//! lists one after the other, without colours. So results are the same bits whatever the number of threads, and the
-//! same on every run (`cloth-bench/tests/contract/thread_parity.rs`).
+//! lists one after the other, without colours; the order matters, to rounding in sums, and in sweeps because they are
+//! Gauss–Seidel. So results are the same bits whatever the number of threads, and the same on every run
+//! (`cloth-bench/tests/contract/thread_parity.rs`).
 //!
 //! # Add an obstacle shape
 //!
 //! 1. A file in `obstacle/` with a type that implements [`SignedDistance`](obstacle::SignedDistance): the distance and
-//!    the outward normal at a point in the frame of the shape, whether φ is convex, and a box around it. A constructor
-//!    that returns [`ObstacleError`](obstacle::ObstacleError) for sizes that make no shape.
+//!    the outward normal at a point in the frame of the shape, whether φ is convex, and a box around it. No second
+//!    derivative: Hessians have ψ″ n nᵀ alone. A constructor that returns [`ObstacleError`](obstacle::ObstacleError)
+//!    for sizes that make no shape. `sphere.rs` is short enough to copy.
 //! 2. Its line in the table of [`obstacle`]. Motion, moving frames and the continuous test are
 //!    [`Obstacle`](obstacle::Obstacle)'s, friction and work [`potential`]'s; they need nothing.
 //! 3. `tests/all/obstacle_shapes.rs`: add it to the shapes there; gradient against differences, distance against points

@@ -31,7 +31,8 @@ pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Ve
 ///
 /// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes
 /// from one nearest point to the other, and d = min over s of ‖r‖. The minimum is stationary in s, so ∂d/∂x_k = c_k n
-/// with n = r/d. As the vertices move, s moves such that n stays at right angles to ∂r/∂s.
+/// with n = r/d: what s changes as the vertices move has no first-order effect. As they move, s moves such that n stays
+/// at right angles to ∂r/∂s. That gives the second derivative, [`Gap::curvature`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Of what.
@@ -110,12 +111,16 @@ impl Gap {
     /// ∂²d/∂x_k∂x_l (1/m) at the positions (m) that the gap was taken at. Between two regions, where it jumps, that of
     /// one of them; zero for primitives that touch, and where G⁻¹ is beyond all numbers.
     ///
-    /// Eliminating the places s from the Hessian of ½ r² leaves, with J_a = Σ ∂c_k/∂s_a x_k, G = JᵀJ, and the projector
-    /// T onto what is at right angles to n and all J,
+    /// The Hessian of ½ r² by vertices and places s has the blocks, with J_a = Σ ∂c_k/∂s_a x_k,
+    ///
+    /// H_kl = c_k c_l 1, H_ka = ∂_a c_k d n + c_k J_a, H_ab = J_a·J_b = G_ab.
+    ///
+    /// Eliminating s leaves H_kl − Σ H_ka (G⁻¹)_ab H_lbᵀ = ∂²(½ d²) = d ∂²d + ∂d ∂dᵀ. So, with the projector T onto
+    /// what is at right angles to n and all J,
     ///
     /// ∂²d = c_k c_l T/d − Σ (G⁻¹)_ab (∂_a c_k c_l n J_bᵀ + c_k ∂_b c_l J_a nᵀ + d ∂_a c_k ∂_b c_l n nᵀ),
     ///
-    /// in which nothing cancels for small d.
+    /// in which nothing cancels for small d. Before a face, and between the insides of two edges, T is zero.
     #[must_use]
     pub fn curvature(&self, x: &[Vec3; 4]) -> Blocks<4> {
         let mut blocks = [[Mat3::zeros(); 4]; 4];

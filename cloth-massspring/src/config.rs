@@ -108,7 +108,8 @@ pub enum Solve {
     Linearized,
 }
 
-/// Which second derivative of the elastic energy Newton's method uses.
+/// Which second derivative of the elastic energy Newton's method uses. Nothing but this is changed to make the matrix
+/// positive definite: no multiple of M is added to `M/s² + H`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum HessianPolicy {

@@ -31,10 +31,10 @@
 //! Meshes, materials and measures are in [`cloth_core`], re-exported here. A fabric is three numbers: the areal density
 //! ρ (kg/m², a weighed piece over its area), the modulus Y (N/m, from a tensile test: force per width over strain) and
 //! the bending rigidity D (N·m, moment per width over curvature). Springs of equal k on this mesh are a sheet of
-//! `Y = 4k/3` and Poisson's ratio 1/3, whatever the edge length: refining the mesh keeps k.
-//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes Y. Springs have no other Poisson's ratio: for that
-//! [`Discretization`](cloth_core::cloth::Discretization) takes triangles. `cloth-bench study independence` shows what
-//! mesh and step change.
+//! `Y = 4k/3` and Poisson's ratio 1/3, whatever the edge length: refining the mesh keeps k
+//! ([below](#springs-triangles-and-hinges-as-a-sheet)). [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus)
+//! takes Y. For another Poisson's ratio [`Discretization`](cloth_core::cloth::Discretization) takes triangles.
+//! `cloth-bench study independence` shows what mesh and step change.
 //!
 //! # The idea
 //!
@@ -111,13 +111,53 @@
 //! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge), `½ K ‖q x‖²` | never, it is constant |
 //! | [`DihedralHinge`](cloth_core::energy::DihedralHinge), `½ K (θ − θ₀)²` | where `θ ≠ θ₀`, by `K (θ − θ₀) ∂²θ` |
 //!
-//! A membrane of triangles has `F = [x₁ − x₀, x₂ − x₀] B` (3 × 2, dimensionless) with `B = [X₁ − X₀, X₂ − X₀]⁻¹` of the
-//! rest shape in its plane (1/m), `G = ½ (FᵀF − I)`, `S = C:G` (N/m, thickness included) and, with the rest area A, the
-//! forces `[f₁, f₂] = −A F S Bᵀ`, `f₀ = −f₁ − f₂` (N).
+//! # Springs, triangles and hinges as a sheet
+//!
+//! **Springs.** In a small uniform strain ε (2 × 2) a spring of length L along the unit vector n is stretched by
+//! `L n·εn`, so the energy per area is `w = Σ k L² (n·εn)²/(2A) = ½ ε:C:ε` with `Cᵢⱼₗₘ = Σ k L² nᵢnⱼnₗnₘ/A` (N/m). As C
+//! stays the same when indices change places, `C₁₁₂₂ = C₁₂₁₂` (Cauchy's relation): of the isotropic sheets, with
+//! `ν Y/(1 − ν²)` and `Y/(2 (1 + ν))` there, only those of ν = 1/3 are left. A cell of the alternating grid has one
+//! spring of length l along each axis and half of one of length √2 l along either diagonal:
+//!
+//! ```text
+//! w = ½ k (ε₁₁² + ε₂₂² + ¼ (ε₁₁ + ε₂₂ + 2ε₁₂)² + ¼ (ε₁₁ + ε₂₂ − 2ε₁₂)²)
+//!   = ¾ k (ε₁₁² + ε₂₂² + ⅔ ε₁₁ε₂₂ + 4/3 ε₁₂²) = Y/(2 (1 − ν²)) (ε₁₁² + ε₂₂² + 2ν ε₁₁ε₂₂ + 2 (1 − ν) ε₁₂²)
+//! ```
+//!
+//! That is `2ν = ⅔` and `Y/(1 − ν²) = 3k/2`. Equal springs, with half of k on the rim, which stands for half a cell:
+//!
+//! | pattern | modulus Y |
+//! |---|---|
+//! | equilateral | `2k/√3` in every direction |
+//! | alternating diagonals | `4k/3` in every direction |
+//! | diagonals one way | k along the axes, 2k along the diagonals, 2k/5 across them |
+//!
+//! No l stands there: refined, a network tends to such a sheet, anisotropic if the pattern is. The equilateral one does
+//! so as linear triangles of ν = 1/3 do: in a small strain a triangle with half of each of its springs stores just
+//! their energy.
+//!
+//! **Triangles** have `F = [x₁ − x₀, x₂ − x₀] B` (3 × 2, dimensionless) with `B = [X₁ − X₀, X₂ − X₀]⁻¹` of the rest
+//! shape in its plane (1/m), `G = ½ (FᵀF − I)` and, with the rest area A, `E = ½ A S:G`. The stress is
+//! `S = Y/(1 − ν²) ((1 − ν) G + ν tr G I)` (N/m: Y is Young's modulus times thickness, which stands nowhere else). So
+//! `dE = A S:dG = A (F S):dF`, and by `dF = [dx₁ − dx₀, dx₂ − dx₀] B` the forces are `[f₁, f₂] = −A F S Bᵀ` and
+//! `f₀ = −f₁ − f₂` (N).
 //!
 //! Stretched by λ in one direction, with ν = 0, a StVK triangle has the energy `(λ² − 1)²/8` per area and modulus: its
 //! curvature `(3λ² − 1)/2` is negative below `λ = 1/√3`, and its force `λ (λ² − 1)/2` fades from there to zero when it
 //! is pressed flat. There it holds a finite energy, so it can be turned inside out, as springs can.
+//!
+//! **Hinges.** A small deflection u of a triangle leaves the edge `x₀ x₁`, of length e, with the slope of u from the
+//! foot of the height h to the tip: `e (u₂ − u_foot)/h = (cot θ₀ + cot θ₁) u₂ − cot θ₁ u₀ − cot θ₀ u₁`, as
+//! `e/h = cot θ₀ + cot θ₁` and the foot divides e as the cotangents. The sum with that of the other triangle is `−q·u`:
+//! hence the q of [`CurvatureHinge`](cloth_core::energy::CurvatureHinge). Of positions, `q x = −e (d₂ + d₃)` with unit
+//! vectors d from the edge into the triangles, unless these are stretched: opposite ones when flat, together
+//! `2 sin(θ/2)` long when folded by θ. The hinge stands for a third of its triangles, `Ā = (A₀ + A₁)/3`, with the
+//! curvature `eθ/Ā`: `E = ½ k (eθ/Ā)² Ā`, `K = k/Ā`. An equilateral lattice bent to a cylinder of curvature κ has
+//! `q·u = κ e² (cos 2φ − ½)/√3` at an edge that is φ away from the direction of κ. The squares of the three brackets at
+//! a vertex sum to 9/4, which makes `½ 3k κ²` per area: `k = D/3`. By the angle itself the same energy of small folds
+//! is `½ D e²/(A₀ + A₁) (θ − θ₀)²`; θ is positive where the edge is a ridge seen from the front, and flat is a point
+//! like others. The moment `K e² sin θ` of the first is largest at a right angle and gone at a full fold, θ = π; that
+//! of the angle grows up to `|θ − θ₀| = π` and changes its sign there.
 //!
 //! # From equation to function
 //!
@@ -224,8 +264,8 @@
 //! with one step of implicit Euler. Pins leave the unknowns; their gradient is zero, so they count in no norm.
 //!
 //! The force with which the cloth pulls at a pin is `−∂E/∂x` there. Of a step of implicit Euler or BDF2 it is that of
-//! the end (without damping and contact); explicit steps add up `pin_work` (J) in their report. A mass on a spring, at
-//! rest after one very long step, pulls with its weight:
+//! the end, of midpoint that of `(x[0] + x[1])/2` (without damping and contact); explicit steps add up `pin_work` (J) in
+//! their report. A mass on a spring, at rest after one very long step, pulls with its weight:
 //!
 //! ```
 //! use cloth_massspring::cloth_core::method::family::Energies;
@@ -252,17 +292,29 @@
 //! What the cloth touches is one more energy in `G`, with a gradient and a positive semi-definite second derivative
 //! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted
 //! that has gone through anything. So a step of any size ends with contact forces, elastic forces and inertia in
-//! balance. The pressure is `κ_c (h − d)` at the distance d (a barrier below h/2), with the thickness h and the
-//! stiffness κ_c (Pa/m) of contact; friction has the energy `μ λ f(u)` of the displacement u along the surface, with
-//! the normal force λ at the start of the step, `f = u²/(2ε)` up to ε = h/100 and `u − ε/2` beyond, where its force is
-//! μ λ. So a sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and slides down a slope with the acceleration a by
-//! `a Δt² n(n + 1)/2` in n steps (tests `sheet_rests_where_its_weight_says` and `sheet_on_a_slope_slides_or_sticks` of
-//! `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this:
+//! balance. With the thickness h (m) and the stiffness κ_c (Pa/m) of contact, at the distance d the energy per area is
+//!
+//! ```text
+//! ψ = ½ κ_c (h − d)²                       from h/2 to h, pressure κ_c (h − d)
+//! ψ = ¼ κ_c h² (½ − ln(2d/h))              below h/2, pressure κ_c h²/(4d): infinite at d = 0
+//! ```
+//!
+//! with ψ, ψ′ and ψ″ continuous at h/2. Choose h as the cloth is thick, but at most a tenth of an edge, and κ_c such
+//! that pressures that last stay below `κ_c h/2`. What is pressed deeper has the stiffness `κ_c (h/2d)²`: that, a
+//! larger κ_c and a long step cost iterations, and let nothing through. `PotentialBuilder` has the defaults, 1 mm and
+//! 10⁶ Pa/m. Friction has the energy `μ λ f(u)` of the displacement u along the surface, with the normal force λ at the
+//! start of the step (with that of x it would have no energy), `f = u²/(2ε)` up to ε = h/100 and `u − ε/2` beyond,
+//! where its force is μ λ. So a sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and slides down a slope with the
+//! acceleration a by `a Δt² n(n + 1)/2` in n steps (tests `sheet_rests_where_its_weight_says` and
+//! `sheet_on_a_slope_slides_or_sticks` of `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of
+//! [`ImplicitEuler`] and [`Bdf2`] does this:
 //!
 //! - *When contact is computed.* λ: once a step. Which vertices, edges and triangles are near: along every direction,
-//!   with the step bound. Value and gradient: in every evaluation of G. Second derivative: whenever the Hessian is
-//!   taken. That of a vertex against a body goes into its diagonal block; a contact between several vertices is an
-//!   addition of rank one to the matrix of the multigrid cycle, and comes and goes without a new pattern.
+//!   with the step bound, as a query at the start alone would miss what comes near later. The list holds all that is
+//!   within h anywhere on the path, and the rest adds nothing: a new list changes no value of G. Value and gradient: in
+//!   every evaluation of G. Second derivative: whenever the Hessian is taken. That of a vertex against a body goes into
+//!   its diagonal block; a contact between several vertices is an addition of rank one to the matrix of the multigrid
+//!   cycle, and comes and goes without a new pattern.
 //! - *Enclosed volume.* What couples all vertices of a component
 //!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is an addition of rank one around the whole cycle
 //!   (Sherman–Morrison, `implicit/global_terms.rs`).
@@ -287,7 +339,8 @@
 //! # The linear solver of Newton's method
 //!
 //! The matrix `M/Δt² + H` has a block of 3 × 3 numbers for each pair of neighbours. [`ImplicitConfig::linear`] says how
-//! its systems are solved; every choice leads to the same minimum.
+//! its systems are solved; every choice leads to the same minimum. An iterative solver leaves a fixed fraction of the
+//! gradient, its tolerance, in every Newton step (a constant forcing term), so convergence ends linear, by that factor.
 //!
 //! | solver | cost of an iteration | factor per iteration, κ the condition number of `D⁻¹A` |
 //! |---|---|---|
@@ -298,7 +351,8 @@
 //! | Gauss–Seidel | as much as a product | the square of undamped Jacobi's, for a chain or a grid without diagonals |
 //! | Jacobi | a product and one pass | `(κ − 1)/(κ + 1)` with the best damping, which is estimated |
 //!
-//! Here A = M/Δt² + H, D its diagonal blocks. κ grows with stiffness, with Δt² and with resolution: 4·10⁴, 2·10⁵ and
+//! Here A = M/Δt² + H, D its diagonal blocks, the preconditioner of conjugate gradients. κ is of the order of
+//! `1 + (Δt ω_max)²`, the condition of `I + Δt² M⁻¹H`: it grows with stiffness, Δt² and resolution: 4·10⁴, 2·10⁵ and
 //! 10⁶ for the hanging sheet of 10⁴ N/m with 32, 64 and 128 vertices a side at Δt = 1/60 s, where conjugate gradients
 //! take 295, 589 and 1385 iterations to a residual of 10⁻³ and the factorisation is faster at every size up to 256 a
 //! side. (`cloth-bench study newton` measures all of it.) Where κ is smaller the order is reversed: a linearised step
@@ -329,6 +383,10 @@
 //! | [`ImplicitMidpoint`] | 2 | 1 | `2 atan(z/2)` | always |
 //! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always |
 //!
+//! In a period, `2π/z` steps, implicit Euler loses `1 − exp(−2πz)` of the energy (47 % at z = 0.1), BDF2 about `πz³`
+//! (0.3 %), the midpoint rule nothing. The mesh has an error of its own: a chain of spacing l has waves of number q at
+//! `ω = (2/l) c sin(ql/2)`, `c = l √(k/m)`: too slow by the fraction `(ql)²/24`, of second order in l.
+//!
 //! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the
 //! mass, of a chain of 1 m) goes with Δt as follows (`cargo test --release -p cloth-massspring --features cholesky
 //! --test chapter swinging_chain -- --nocapture`). This is the error in time, of one mesh.
@@ -343,8 +401,9 @@
 //! | BDF2 | 36 µm | 9.1 µm | 2.3 µm | 2.00 |
 //!
 //! # Errors and bad input
-//! - **Meshes, materials, masses** are checked by `cloth-core` when they are made. Of elements made by hand only the
-//!   vertices are; a stiffness that is no number shows as [`StepError::NonFinite`].
+//! - **Meshes, materials, masses** are checked by `cloth-core` when they are made: a triangle without area, a wrong
+//!   index, a vertex of no triangle, a mass that is not positive. Of elements made by hand only the vertices are; a
+//!   stiffness that is no number shows as [`StepError::NonFinite`].
 //! - **Building** is refused with a [`BuildError`]: a setting outside its range, settings that exclude each other
 //!   ([`Accept::Minimum`] without a factorisation), an element that names a vertex that does not exist (already by
 //!   `energy`), a matrix too large for its indices.
@@ -379,43 +438,12 @@
 //! `Abs` it has to be semi-definite. Only elements of one vertex count as holding the cloth: the energy of every other
 //! must not change when all its vertices are shifted alike, or the shift of momentum is wrong.
 //!
-//! ```
-//! use cloth_massspring::cloth_core::check::gradient_error;
-//! use cloth_massspring::cloth_core::element::{Constraint, Element, Row};
-//! use cloth_massspring::{ImplicitConfig, ImplicitEuler, Particles, State, StepInput, Stepper, Vec3};
-//!
-//! /// Pulls a vertex to a plane through the origin: `C = n·x` (m).
-//! #[derive(Clone, Copy, Debug)]
-//! struct NearPlane { vertex: u32, normal: Vec3, stiffness: f64 }
-//!
-//! impl Element<1> for NearPlane {
-//!     fn vertices(&self) -> [u32; 1] {
-//!         [self.vertex]
-//!     }
-//! }
-//!
-//! impl Constraint<1> for NearPlane {
-//!     type Rows = [Row<1>; 1];
-//!
-//!     fn rows(&self, [x]: &[Vec3; 1]) -> [Row<1>; 1] {
-//!         [Row { value: self.normal.dot(x), gradient: [self.normal], stiffness: self.stiffness }]
-//!     }
-//! }
-//!
-//! let plane = NearPlane { vertex: 0, normal: Vec3::y(), stiffness: 50.0 };
-//! // First of all: gradients against finite differences.
-//! assert!(gradient_error(&plane, &[Vec3::new(0.3, -0.2, 1.0)], 1.0) < 1e-9);
-//! let particles = Particles::new(vec![0.5])?;
-//! let mut solver = ImplicitEuler::builder(&particles)
-//!     .energy(vec![plane])
-//!     .config(ImplicitConfig { tolerance: 1e-12, ..ImplicitConfig::default() })
-//!     .build()?;
-//! let mut state = State::at_rest(vec![Vec3::new(0.3, 0.2, 0.0)]);
-//! solver.step(&mut state, StepInput::new(0.1))?;
-//! // Implicit Euler in closed form: y/(1 + k Δt²/m).
-//! assert!((state.positions[0] - Vec3::new(0.3, 0.1, 0.0)).norm() < 1e-12);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! [`ImplicitBuilder::energy`] has an example of either: three vertices with energy, gradient and a Hessian by every
+//! [`Convexity`](cloth_core::element::Convexity); one vertex with a row. Only blocks on and below the diagonal of a
+//! Hessian are read: it has to be symmetric. The tests of a new element are
+//! [`gradient_error`](cloth_core::check::gradient_error) and `hessian_error` away from rest, `smallest_eigenvalue` by
+//! `Clamp` and `Abs` and, as in `cloth-core/tests/support/element_checks.rs`, no force at rest, the same energy after a
+//! shift and a turn, forces and moments that add up to zero.
 //!
 //! # Limits
 //!
@@ -466,10 +494,24 @@
 //! time, and refine what changes the result more (`cloth-bench study decision` has tolerances of 10⁻² and 10⁻¹,
 //! `work-precision` step sizes).
 //!
-//! Memory: a matrix stores a block of nine numbers per vertex and per pair of vertices that share an element. With
-//! springs alone that is V + E blocks; a hinge adds the pair opposite its edge, about as many again, but not in the
-//! default, which lumps it. A factor of Newton's method needs more, and more than proportional to V (`cloth-bench study
-//! scale` prints the peak).
+//! # Costs
+//! Bytes a vertex, counted from the structs for springs and quadratic hinges on the alternating grid (3 of each a
+//! vertex), without contact and damping; the caller's state is 48 more:
+//!
+//! | what | bytes |
+//! |---|---|
+//! | elements: springs of 24, hinges of 56, masses 16 | 256 |
+//! | default: lumped matrix, V + E = 4V blocks of 9 `f64`, pattern and places | 410 |
+//! | default: finest level of multigrid, `f32` (coarser ones come on top) | 290 |
+//! | default: five pairs in `f32`; nine vectors of the iteration | 120; 216 |
+//! | Newton's method: 6V blocks, the tips of hinges too; its factor is larger, and more than proportional to V | 432 |
+//! | explicit: three vectors; 18 to watch the stable step | 72; 432 |
+//!
+//! An iteration of the default reads the elements once (once more for each shortened step), the finest level twice (the
+//! residual is taken in the forward sweep) and the pairs once; 7 of 30 take the Hessian anew. One of Newton's method
+//! has an assembly, a factorisation or more, and a solve. Times by part: `cloth-bench study newton` (assembly,
+//! factorisation, solve, cycle) and `cargo bench -p benches --bench elements` (energy, gradient and Hessian of an
+//! element); whole steps of every integrator: `study convergence`; peak memory: `study scale`.
 //!
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
@@ -504,7 +546,6 @@
 //! tables are `cloth-bench`'s.
 //!
 //! # Features
-//!
 //! `parallel` (default): energies, matrices and multigrid on rayon's threads, with the same bits as without.
 //! `cholesky`: the sparse factorisation, for Newton's method by it and for proofs of a minimum; without, Newton's
 //! method takes multigrid.

@@ -13,10 +13,22 @@
 //!
 //! By hand, for springs alone: `ω² ≤ max 2 Σ k/m` over the vertices, with the sum over their springs (Gershgorin), so
 //! `Δt = √(2m/Σk)` is stable. A long chain has `ω² → 4 k/m`, a grid with diagonals one way and equal k `(4 + 2√2) k/m`,
-//! equilateral triangles `6 k/m` (tests). With m = ρ l² on the first grid, Δt = 0.765 l √(ρ/k). Membranes of triangles
-//! scale alike, `Δt ~ l √(ρ/Y)`. Bending of rigidity D resists a vertex with about `D/l²`, so `Δt ~ l² √(ρ/D)`: it
-//! takes over on meshes finer than about `√(D/Y)`, a few hundredths of a millimetre for 10⁻⁵ N·m and 10⁴ N/m. The
-//! estimate counts all elements; beyond it [`SymplecticEuler`](crate::SymplecticEuler) refuses the step.
+//! equilateral triangles `6 k/m` (tests). With m = ρ l² on the first grid, Δt = 0.765 l √(ρ/k).
+//!
+//! How other elements scale is told by the largest `ω²` of plane waves on the endless equilateral lattice at rest, of
+//! side l and areal density ρ (m = √3/2 ρ l²; that of triangles holds for 0 ≤ ν < 1, found numerically):
+//!
+//! | element | ω² | stable step |
+//! |---|---|---|
+//! | springs, `k = √3/2 Y` | `6 Y/(ρ l²)` | `0.816 l √(ρ/Y)` |
+//! | [`StvkTriangle`](cloth_core::energy::StvkTriangle) | `16 Y/(3 (1 − ν²) ρ l²)` | `0.866 l √((1 − ν²) ρ/Y)` |
+//! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge) | `48 D/(ρ l⁴)` | `0.289 l² √(ρ/D)` |
+//!
+//! Triangles of ν = 1/3 and springs are the same there. A wave with the phase differences α = β + γ along the three
+//! edges bends the hinges with `ω² m = (16/3) K Σ (cos(α/2) − cos((β − γ)/2))²`, K = 2D/(√3 l²), summed over the three
+//! edges (those of β and γ have `α + γ` and `α + β` in the place of `β − γ`), and most where β = γ = 2π/3, by 36 K.
+//! Bending takes over where l² < 8 D/Y, l < 0.09 mm for 10⁻⁵ N·m and 10⁴ N/m. The estimate counts all elements; beyond
+//! it [`SymplecticEuler`](crate::SymplecticEuler) refuses the step.
 //!
 //! B. N. Parlett, *The Symmetric Eigenvalue Problem*, SIAM 1998, chapter 13, <https://doi.org/10.1137/1.9781611971163>.
 

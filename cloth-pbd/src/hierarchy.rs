@@ -50,28 +50,47 @@ impl Default for HierarchyConfig {
 
 /// Coarse levels of a cloth, for [`PbdSolver::with_hierarchy`](crate::PbdSolver::with_hierarchy).
 ///
-/// A Gauss–Seidel sweep propagates a correction from neighbour to neighbour; a cloth of N vertices a side takes
-/// of the order of N² sweeps to converge. A level with half of the vertices takes half of the sweeps, each half
-/// as much work.
+/// A Gauss–Seidel sweep propagates a correction from neighbour to neighbour; a cloth of N vertices a side takes of the
+/// order of N² sweeps to converge. A level with half of the vertices takes half of the sweeps, each half as much work.
 ///
-/// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]; prescribed vertices are kept. Each level is
-///   a subset of the one before, of at most four fifths of its vertices. A vertex that is left out has parents in it
-///   ([`Hierarchy::parents`]), one on the boundary two that are too, with weights `Pᵢⱼ ≥ 0` of sum 1: so a
-///   translation is prolongated exactly, a linear field nearly.
-/// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents
-///   they are. The length of a link is the geodesic distance over the cloth at rest, so no folding, bending or
-///   unrolling without stretch makes one longer. A link that is not too long does nothing, so zero-energy
-///   configurations of the cloth are those of every level: a coarse level does not resist bending.
-/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by
-///   projections. A link does not become shorter by the corrections of others: below its length at the start it
-///   pushes back. (Müller's links only pull. Each that is
-///   shortened lengthens or shortens its neighbours; those that have become too short are left so, and a hanging sheet
-///   narrows.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, with the prolongation P of
-///   [`coarse_levels`]. The mass of a coarse vertex is `Σᵢ Pᵢⱼ mᵢ`, `Pᵀm`, so `Σ m x` does not change.
+/// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]; prescribed vertices are kept. Vertices are
+///   asked one after another by their numbers, those of the boundary first, whether they can be left out: a vertex
+///   inside if it still has `parents` neighbours that are kept, and lies no farther from their weighted mean than 0.3
+///   of their mean distance; one on the boundary if both neighbours there are kept; and if the same still holds of its
+///   neighbours that were left out before. Each level is a subset of the one before, of at most four fifths of its
+///   vertices, mostly about half; with fewer than four vertices, or more than four fifths, there is none.
+/// - **Weights.** A vertex i that is left out has as parents j all its neighbours that are kept
+///   ([`Hierarchy::parents`]), on the boundary the two there. With their displacements rⱼ at rest from i, distances ℓⱼ
+///   along the link, mean `m = Σⱼ bⱼ rⱼ` and covariance `K = Σⱼ bⱼ (rⱼ − m)(rⱼ − m)ᵀ` by the weights b of distance
+///   alone, the weights P
+///   ```text
+///   bⱼ = (1/ℓⱼ)/Σ (1/ℓ),   Pᵢⱼ = bⱼ (1 + β·(rⱼ − m)),   K β = −m
+///   ```
+///   have the sum 1, so a translation is prolongated exactly, and `Σⱼ Pᵢⱼ rⱼ = m + K β = 0`, so a linear field is too:
+///   of all such weights these differ least from b, by `Σ (Pᵢⱼ − bⱼ)²/bⱼ`. Along axes in which the parents do not
+///   spread, β is zero, and where a weight would be negative β is shortened until it is zero; then a linear field is
+///   met nearly.
+/// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents they
+///   are. The length of a link is the geodesic distance over the cloth at rest
+///   ([`Geodesics`](cloth_core::method::multigrid::Geodesics)), so no folding, bending or unrolling without stretch
+///   makes one longer, as with [long-range attachments](crate#long-range-attachments). A link that is not too long does
+///   nothing, so zero-energy configurations of the cloth are those of every level: a coarse level does not resist
+///   bending. A link in two directions, as a rod, would.
+/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. A
+///   link does not become shorter by the corrections of others: below its length at the start it pushes back. (Müller's
+///   links only pull. Each that is shortened lengthens or shortens its neighbours; those that have become too short are
+///   left so, and a hanging sheet narrows.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, a vertex that was kept
+///   with weight 1 on itself. The mass of a coarse vertex is `Σᵢ Pᵢⱼ mᵢ`, `Pᵀm`, so `Σᵢ mᵢ Δxᵢ = Σⱼ (Pᵀm)ⱼ Δxⱼ`: as
+///   projections of free vertices leave the right side zero, `Σ m x` does not change.
 ///
-/// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth
-/// becomes stiffer. Angular momentum is not conserved by the prolongation. Only stretching is corrected. Levels,
-/// lengths and weights come from the mesh at rest and the vertices prescribed when it is built; pins may move.
+/// What it saves: the table of [acceleration](crate#acceleration). What it costs: each level about as many visits of
+/// links, in its sweeps, as [`HierarchyConfig::sweeps`] sweeps over the first, plus one sweep to store lengths.
+///
+/// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth becomes
+/// stiffer. Angular momentum is not conserved by the prolongation. Only stretching is corrected: no level acts against
+/// compression or bending, and a fold between two coarse vertices is invisible to theirs. What the finer level gets is
+/// smooth between parents, so the correction may bend or stretch single fine links, which only sweeps after it repair.
+/// Levels, lengths and weights come from the mesh at rest and the vertices prescribed when it is built; pins may move.
 #[derive(Debug)]
 pub struct Hierarchy {
     vertex_count: usize,

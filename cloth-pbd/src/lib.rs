@@ -76,9 +76,10 @@
 //! ```
 //!
 //! With a fixed s ([`StiffnessRule::Fixed`]) the cloth is stiffer exponentially in n, and as 1/h². The second line is
-//! [`StiffnessRule::Material`], the default: that is how the same k (N/m) that the other methods take reaches PBD. It
-//! is exact for one constraint alone whose C is linear along its correction, as a spring's is, and for nothing else;
-//! see the [limits](#limits).
+//! [`StiffnessRule::Material`], the default: that is how the same k (N/m) that the other methods take reaches PBD.
+//! (Springs get theirs from a membrane modulus Y (N/m), Young's modulus times thickness, by
+//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus).) It is exact for one constraint alone whose C is linear
+//! along its correction, as a spring's is, and for nothing else; see the [limits](#limits).
 //!
 //! # The step
 //! ```text
@@ -104,11 +105,12 @@
 //! `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖`. This is for linear rows and pins at rest, without extrapolation, a hierarchy or
 //! Jacobi sweeps in full. Where x⁰ violates rows, what the sweeps take back becomes velocity.
 //!
-//! **How much is lost?** A spring alone that oscillates along its axis divides its energy by 1 + k h² w̃ in a substep,
-//! as with implicit Euler. A rigid link about a prescribed end that has turned by α in one substep turns in the next
-//! by β with `tan β = sin α/(2 − cos α)`, β ≈ α − α³: velocities from positions point along the chord, and the
-//! projection removes what free flight along it adds to the radius. So a link that turns at ω loses the fraction
-//! 2 (h ω)² of its kinetic energy in a substep: order h in a given time.
+//! **How much is lost?** Free flight is symplectic Euler, a row alone implicit Euler: both of order 1. A spring alone
+//! that oscillates along its axis divides its energy by 1 + k h² w̃ in a substep, as with implicit Euler. A rigid link
+//! about a prescribed end that has turned by α in one substep turns in the next by β with `tan β = sin α/(2 − cos α)`,
+//! β ≈ α − α³: velocities from positions point along the chord, and the projection removes what free flight along it
+//! adds to the radius. So a link that turns at ω loses the fraction 2 (h ω)² of its kinetic energy in a substep: order
+//! h in a given time.
 //!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²`: distance, bending (flat, curved,
 //! by angle), area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
@@ -125,17 +127,23 @@
 //! way. Flat is no special case, since no arc cosine is differentiated. In a triangle of small height the gradient
 //! grows as its inverse, and the correction falls with it; a hinge with a triangle without area is left alone.
 //!
+//! Müller et al. 2007, appendix A, take `φ = arccos d` instead, d the product of the unit normals along
+//! e × (x₂ − x₀) and e × (x₃ − x₀). Then φ = π − |θ|, and `∂φ = −∂d/√(1 − d²)` is −sign(θ) ∂θ; but it is 0/0 where
+//! d = ±1, flat or folded up, and φ does not know up from down.
+//!
 //! *Which bending?* Isometric bending is linear in x, has a constant w̃ and is cheap ([costs](#costs)); take it for
 //! cloth that is flat at rest and hardly stretches. By angle where a fold has a rest angle, or is sharp. A spring
-//! between the tips is no substitute: its length is stationary where the hinge is flat, so it does not resist a small
-//! bend.
+//! between the tips ([`Spring::across`]) is no substitute: its length is stationary where the hinge is flat, so it does
+//! not resist a small bend. Kelager et al. 2010 keep the distance of one of three vertices from the centroid of the
+//! three: as cheap as a spring, without a side, and without a gradient where the one lies midway between the two
+//! others. That is not offered.
 //!
 //! | equation | function |
 //! |---|---|
 //! | free flight; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
 //! | C, ∂C/∂x, k | [`Constraint::rows`] of each element of [`energy`](cloth_core::energy) |
 //! | `−s C`: the formula of a row | `stiffness.rs`: `Projection::equation` |
-//! | `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/method/position_based/correction.rs` |
+//! | `w̃`; `Δλ`; `wᵢ ∂C/∂xᵢ Δλ` of one element | `weight`; `change_over`; `row_by_row_correction` and its other forms in `cloth-core/src/method/position_based/correction.rs` |
 //! | the loop over rows | [`Families::sweep`], in the order of [`Sweep`] |
 //! | ω, ρ | [`Acceleration`], [`Chebyshev`] |
 //! | `((1 − s)^(−n) − 1)/(h² w̃)` | [`effective_stiffness`] |
@@ -155,7 +163,8 @@
 //! |---|---|
 //! | `v[i] += …; x[i] += …` | [`Motion::predict`] |
 //! | `for spring in springs` | [`Families::sweep`], colour by colour unless sequential |
-//! | `value`, `gradient` | [`Constraint::rows`] |
+//! | `value`, `gradient` | [`Constraint::rows`]; of a spring [`Constraint::row_form`], the gradient undivided |
+//! | `weight` | `correction.rs`: the sum of w for a spring, else `weight` |
 //! | `ratio`, `s` | `Projection::equation`: s is kept until w̃ changes, since a power costs more than the rest |
 //! | `x[a] += …; x[b] -= …` | `correction.rs` |
 //! | `v[i] += (x[i] - predicted[i]) / h` | [`Motion::update_velocities`] |
@@ -163,10 +172,19 @@
 //! After 30 steps both are within 1e-13 m of each other, not equal to the last bit: the solver orders the divisions as
 //! above, computes s with `exp_m1` and `ln_1p`, and from a w̃ rounded to 40 binary digits.
 //!
+//! **Layout.** All numbers are in double precision; a position is three of them in a row. The elements, their vertex
+//! numbers (a copy, checked once) and the memory of their rows are three arrays in the order of the visits, read from
+//! front to back; positions and inverse masses are gathered by vertex number, positions written back. No two elements
+//! share a register: where neighbours in the order share no vertex, as within a colour, the processor overlaps their
+//! roots and divisions itself. The loop is compiled a second time for AVX2, with the same bits. From 2¹⁷ vertices on
+//! the positions of the next 16 elements are prefetched. All this is `visit_each` in
+//! `cloth-core/src/method/parallel.rs`.
+//!
 //! [`Motion::predict`]: cloth_core::method::position_based::Motion::predict
 //! [`Motion::update_velocities`]: cloth_core::method::position_based::Motion::update_velocities
 //! [`Motion::count_pin_work`]: cloth_core::method::position_based::Motion::count_pin_work
 //! [`Constraint::rows`]: cloth_core::element::Constraint::rows
+//! [`Constraint::row_form`]: cloth_core::element::Constraint::row_form
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! # Order of the constraints, colours and threads
@@ -174,13 +192,33 @@
 //! in the order in which they were added, and the elements of a family in the order of [`Sweep`]. The result depends on
 //! both; the constraint visited last is met best. [`Sweep::Colored`], the default, colours the elements greedily, so
 //! that no two of a colour share a vertex: they can be visited in parallel, without locks, and give the same bits on
-//! any number of threads (feature `parallel`; a second thread takes part in colours of at least 4096 elements). Springs
-//! of which at most a meet at a vertex get between a and 2a − 1 colours. A cloth of 2¹⁹ vertices or more is visited by
-//! blocks of 2¹⁴ vertices, the colours of one block before the next.
+//! any number of threads (feature `parallel`; a second thread takes part in colours of at least 4096 elements). A cloth
+//! of 2¹⁹ vertices or more is visited by blocks of 2¹⁴ vertices, the colours of one block before the next.
+//!
+//! *How many colours?* Where at most a elements of N vertices meet at a vertex, at least a, and at most N (a − 1) + 1:
+//! an element finds no more than a − 1 others at each of its vertices. Counted on sheets of 64 × 64 and of 128 × 128
+//! vertices of [`generate`](cloth_core::mesh::generate), in the order of their edge tables, with the same result:
+//!
+//! | sheet | springs at a vertex | colours | hinges at a vertex | colours |
+//! |---|---|---|---|---|
+//! | one-way, equilateral | 6 | 6 | 12 | 14 |
+//! | alternating | 8 | 8 | 16 | 18 |
+//! | crossed | 8 | 8 | 16 | 20 |
+//!
+//! They differ in size: of alternating hinges on 128 × 128 vertices the largest has 4096 and the smallest 151. A vertex
+//! with a elements makes at least a colours, prescribed or not; small ones are visited one after another on one thread.
+//! While it colours, the builder holds 8 bytes a vertex for every 64 colours.
+//!
 //! [`Sweep::Sequential`] keeps the order given and one thread. Jacobi sweeps solve all elements at the same positions;
 //! averaged, each makes the fraction 1/b of its correction, b the most elements, of all families, at one of its free
 //! vertices. The fraction is that of the element: if each vertex divided what it receives by its own count, the two
 //! ends of a spring would be scaled differently, and momentum would be lost.
+//!
+//! *Which factor is stable?* With fractions sⱼ and linear rows, one an element, a Jacobi sweep takes an error e to
+//! `e − ω Σ sⱼ Pⱼ e`, ω the relaxation and Pⱼ the projector, orthogonal in the metric of M, onto what row j moves.
+//! Since `Σ sⱼ ‖Pⱼ e‖²_M ≤ Σᵢ mᵢ ‖eᵢ‖² Σ sⱼ`, the last sum over the elements at vertex i, the eigenvalues of Σ sⱼ Pⱼ
+//! lie between 0 and the largest such sum. Averaged it is at most 1, and every ω < 2 is stable; in full it is at most
+//! a, and ω < 2/a is stable.
 //!
 //! What one sweep leaves of the slowest error of a straight chain of N rigid links, held at one end:
 //!
@@ -192,12 +230,14 @@
 //! | Chebyshev on Jacobi, in full | `cos(π/2N)/(1 + sin(π/2N))` | 29.3 |
 //! | Gauss–Seidel with `ω = 2/(1 + sin(π/2N))` | `ω − 1` | 14.6 |
 //!
-//! A Jacobi sweep takes the error of each link to the mean of its two neighbours, mirrored at the
-//! support and zero beyond the free end. So its eigenvectors are `cos((i − 1)θ)`, i = 1 … N, with `cos(Nθ) = 0`, the
-//! eigenvalues `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix the eigenvalues of
-//! Gauss–Seidel are their squares (Young 1950), from one
-//! end to the other as well as by two colours: colours change the answer of unconverged sweeps, not this rate. One
-//! elimination would solve such a system exactly: not offered here, see the direct solver of `cloth-xpbd`.
+//! A Jacobi sweep takes the error of each link to the mean of its two neighbours, mirrored at the support and zero
+//! beyond the free end. So its eigenvectors are `cos((i − 1)θ)`, i = 1 … N, with `cos(Nθ) = 0`, the eigenvalues
+//! `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix the eigenvalues of Gauss–Seidel are their squares
+//! (Young 1950), from one end to the other as well as by two colours: colours change the answer of unconverged sweeps,
+//! not this rate. For large N a decade takes ln 10 (2N/π)² = 0.93 N² Gauss–Seidel sweeps, 1.47 N with Chebyshev on
+//! Jacobi, 0.73 N with the best ω. A test holds Gauss–Seidel against this law. For sheets nothing is proved, but
+//! [measured](#acceleration). One elimination would solve such a system exactly: not offered here, see the direct
+//! solver of `cloth-xpbd`.
 //!
 //! # How many substeps, how many iterations
 //! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses,
@@ -242,6 +282,7 @@
 //! | a rope, a chain | [`Sweep::Sequential`], links in order from the support |
 //! | a fine sheet, tens of sweeps and more | Chebyshev on the coloured sweep, ρ estimated |
 //! | a sheet that hangs taut from a long support | a [`Hierarchy`], one correction a substep |
+//! | cloth that hangs from few anchors, few sweeps | [long-range attachments](#long-range-attachments) |
 //! | a bound on stretch, after this or another method | [`WithStrainLimit`] |
 //! | a soft material | substeps until `k h² w̃ ≪ 1`, or [another method](#when-not-to-use-this-method) |
 //! | the order of the elements must not count | Jacobi, averaged, with Chebyshev |
@@ -251,9 +292,26 @@
 //! substep; a triangulated sheet has about three springs and three hinges a vertex. On one thread a spring takes 4.5 ns
 //! a sweep (the first row above: 48 641 springs); isometric bending takes 2 to 3 springs, area 10 to 15, bending by
 //! angle 20 to 30 (128 × 128 vertices, falling, three runs on a busy 2-core machine; on yours:
-//! `cargo run --release -p cloth-pbd --example cost_of_a_sweep`). The rule costs nothing where w̃ is constant; where it
-//! is not, as for area and angle, [`StiffnessRule::Material`] takes a power in each visit, [`StiffnessRule::Fixed`]
-//! none. In memory a row has 24 bytes at most beside its element: w̃, s, λ. Nothing is allocated after the first step.
+//! `cargo run --release -p cloth-pbd --example cost_of_a_sweep`). So with three of each a vertex, isometric bending is
+//! two thirds to three quarters of a sweep. The rule costs nothing where w̃ is constant; where it is not, as for area
+//! and angle, [`StiffnessRule::Material`] takes a power in each visit, [`StiffnessRule::Fixed`] none. Nothing is
+//! allocated after the first step. Counted in the loops, a visit takes
+//!
+//! | element | flops, with roots and divisions | roots, divisions | bytes: element + vertices + rows | gathered; written |
+//! |---|---|---|---|---|
+//! | spring | 30 | 1, 1 | 24 + 8 + 24 | 64; 48 |
+//! | isometric bending | 73 | 0, 3 | 56 + 16 + 72 | 128; 96 |
+//! | area | 127, and the power | 1, 4 | 32 + 12 + 24 | 96; 72 |
+//! | bending by angle | not counted: an arc tangent, and the power | | 40 + 16 + 24 | 128; 96 |
+//!
+//! A row has 24 bytes, w̃, s and λ. Beside these an element has 4, its place in the input, and in Jacobi sweeps
+//! 28 N + 8 more; a vertex has 80, with Chebyshev 48 more, in contact 24. A spring makes 6.7 flops a ns and reads its
+//! 56 bytes at 12 GB/s; its root and its division count most, since the form with the gradient divided in between takes
+//! [twice as long](cloth_core::element::RowForm::Unit).
+//!
+//! The options, by the [table above](#acceleration): a sweep of springs takes 0.22 ms coloured, 0.18 in averaged Jacobi
+//! (0.22 with Chebyshev), 0.51 to 0.56 symmetric with Chebyshev; a correction by the hierarchy, repeated, 2.4 ms or
+//! 11 sweeps. A long-range attachment is one more row; what contact costs is in `cloth-collide`.
 //!
 //! # Strain limiting
 //! For the end of a step of *any* method: [`WithStrainLimit`] follows each step by projections onto ranges of
@@ -268,6 +326,7 @@
 //! # Contact
 //! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
 //! then `solver.step(&mut state, StepInput::new(dt).contacts(&mut contacts))?`, with the same contacts in every step.
+//! They include those of the cloth with itself, unless `self_collision(false)`.
 //!
 //! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints), implemented by the
 //! crate `cloth-collide`) is handed over with [`StepInput::contacts`]. In each substep `begin_substep` finds what can
@@ -279,6 +338,16 @@
 //! becomes velocity, unless `change_velocities` removes it: `cloth-collide` does so where there is a coefficient of
 //! restitution. The solver itself knows nothing of shapes, and runs no code for contact without a source.
 //!
+//! *Is Coulomb's cone exact?* A visit first updates λ of its row, then its friction `f ← Π(f − u/w̃)`, w̃ = Σ aᵢ² wᵢ: u
+//! is how far the point is from where it stuck, in the tangent plane, and Π cuts to the disk `‖f‖ ≤ μ λ`, round and not
+//! a polygon. So however few the sweeps, no row leaves its cone. The rest of the law, no slip or `f = −μ λ u/‖u‖`, is
+//! what a fixed point of this update says, and holds where the sweeps converge. What comes after them, truncated paths
+//! and restitution, is outside it.
+//!
+//! *Prescribed and inside a body?* It stays there: a body and a prescribed vertex are no pair, and only what is free is
+//! pushed out. Prescribed parts of the cloth that cross each other, or leave free cloth no path, end the step with
+//! [`StepError::Contact`].
+//!
 //! The strain that unconverged sweeps leave is elastic energy, which contact can release. A sheet of 64 × 64 vertices
 //! and 0.2 kg falls 5 cm onto a ball. With implicit Euler it falls by 0.32 m in all, worth 0.6 J; with the default of
 //! 20 iterations it gains some 1500 J (`cloth-bench/doc/results.md`).
@@ -288,6 +357,13 @@
 //!   substeps, a fixed stiffness outside [0, 1], relaxation outside (0, 2), …), or the element and the vertex
 //!   that does not exist. A mass that is not positive and finite is refused before, by [`Particles::new`]
 //!   ([`ParticleError::InvalidMass`](cloth_core::particles::ParticleError::InvalidMass)).
+//! - **A mesh** is refused by [`TriMesh::new`](cloth_core::TriMesh::new) with a [`MeshError`](cloth_core::MeshError):
+//!   a position that is not finite, a vertex in no triangle or twice in one, a triangle without area, the same triangle
+//!   twice; and an edge of three or more triangles (`NonManifoldEdge`) by whatever asks for edges:
+//!   [`Cloth::on`](cloth_core::Cloth::on), [`EdgeTable::build`](cloth_core::topology::EdgeTable::build),
+//!   [`Hierarchy::build`]. Elements made by hand need no mesh: a vertex in none of them flies freely, a rest length may
+//!   be zero, and an edge may have hinges for every two of its triangles. A triangle turned over is at rest, since
+//!   neither lengths nor areas have a sign.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite (`InvalidTimeStep`), or if gravity,
 //!   loads, positions or velocities are not finite (`NonFiniteInput`, with the first such vertex), and if its *result*
 //!   is not finite (`NonFinite`). In all cases the state is what it was before the step, and the solver can be used
@@ -306,11 +382,9 @@
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives
 //! the rows. The solver takes it as it takes ours; colours, threads and acceleration follow. For an
 //! inequality φ(x) ≥ 0 give the value min(φ, 0), and a zero gradient where φ > 0. (XPBD needs
-//! [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows) too, to take a multiplier back.) A long-range
-//! attachment (Kim et al. 2012) is such a row on a vertex x and a prescribed vertex p: `φ = r − ‖x − p‖`, r the
-//! geodesic distance over the cloth at rest; with the straight one, cloth that is folded or rolled at rest could not
-//! open. It moves x alone, so, added last, it holds after every sweep over the cloth, however few there are. It bounds
-//! the stretch away from p and no other.
+//! [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows) too, to take a multiplier back.) N is fixed when
+//! the element is compiled: a constraint on all vertices, as the volume of a balloon, is none; that one is
+//! [`ClosedVolume`](cloth_core::enclosure::ClosedVolume), and comes in by the hook of contact.
 //!
 //! ```
 //! use cloth_pbd::cloth_core::check::gradient_error;
@@ -350,6 +424,30 @@
 //! Then as in `tests/all/constraints.rs`: one element against `(1 − s)ⁿ`; all vertices free, rigid, against C = 0 and
 //! the momentum; shapes without a gradient.
 //!
+//! # Long-range attachments
+//! A curve over the cloth from a vertex x to an anchor p is at least as long as the straight line between them, and
+//! where no triangle is stretched, no longer than at rest. So `‖x − p‖ ≤ r`, with r the length at rest of any curve
+//! over the cloth from x to p; the shortest, the geodesic, says most (Kim et al. 2012). A longer r lets the cloth
+//! stretch by as much before the bound acts. A shorter one is wrong: with the straight distance, cloth that is folded
+//! or rolled at rest could not open. How far r is above the geodesic of a flat sheet, over many triangles in the worst
+//! direction, however fine the mesh:
+//!
+//! | shortest way | too long by |
+//! |---|---|
+//! | across triangles, [`Geodesics`](cloth_core::method::multigrid::Geodesics) | 0; more behind a hole or an obtuse triangle |
+//! | along edges, alternating diagonals | √(4 − 2√2) − 1 = 8.2 % |
+//! | along edges, equilateral | 2/√3 − 1 = 15.5 % |
+//! | along edges, one-way diagonals | √2 − 1 = 41 % |
+//!
+//! The element is a [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) from x to a prescribed p, with
+//! shortest length 0, longest r and infinite stiffness, which [`StiffnessRule::Material`] projects in full. It moves x
+//! alone, so, added last, it holds after every sweep over the cloth, however few there are, but for contact, which
+//! comes after it. It bounds the stretch away from p and no other. p may move: r belongs to the rest shape, ‖x − p‖ to
+//! now. Several anchors of x are several rows; the last visited holds exactly, and two can hold together while their
+//! anchors are no farther apart than over the cloth. All rows of one p share a vertex, so each has a
+//! [colour](#order-of-the-constraints-colours-and-threads) of its own; for thousands write an element of x alone, N =
+//! 1, that has p as numbers (a moving one by `set_time`): all of these have one.
+//!
 //! # Limits
 //! - **The material is met by one constraint alone.** Constraints that share vertices spoil each other's corrections,
 //!   and then the rule gives cloth *softer* than its k, the more so the larger `k h² w̃` and the longer the chain: two
@@ -383,8 +481,7 @@
 //!   stretch that sweeps leave is not conserved by anything here, and may be thousands of times the work that was done.
 //!   PBD does not turn it into motion; contact, a strain limit, or another method that continues the run may.
 //! - There is no damping but the [method's own](#the-step). That of Müller et al. 2007, section 3.5, which leaves the
-//!   rigid motion as it is, is not offered; scale velocities between steps for more. Nor are long-range attachments
-//!   ([an element](#add-an-element) of a few lines).
+//!   rigid motion as it is, is not offered; scale velocities between steps for more. No speed is clamped either.
 //! - Stiffnesses are taken to be zero, positive or infinite, and not checked. A negative one pushes away from C = 0;
 //!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].
 //!
@@ -420,6 +517,14 @@
 //! Most claims of this page are tests in `tests/all/chapter.rs`; those on the hierarchy, strain
 //! limits, input and prescribed vertices are in the files beside it. Times and tables are `cloth-bench`'s.
 //!
+//! # Differences from the papers
+//! - Müller et al. 2007: s from k, h and w̃ ([soft constraints](#from-a-constraint-to-the-projection)) in place of
+//!   `1 − (1 − k)^(1/n)`; bending by a signed angle; friction on positions, not velocities, and all paths tested at the
+//!   end; no damping.
+//! - Müller 2008: lengths, weights and links that push back: see [`Hierarchy`].
+//! - Wang 2015: Gauss–Seidel made symmetric, ρ estimated in the substep, no extrapolation where corrections grow.
+//! - Wang et al. 2010: one level; the [`StrainLimiter`] restores angular momentum.
+//!
 //! # References
 //! - M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image
 //!   Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>. Its `s = 1 − (1 − k)^(1/n)` leaves
@@ -430,6 +535,8 @@
 //!   <https://doi.org/10.2312/SCA03/062-067>: bending by angle. M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E.
 //!   Grinspun, "A quadratic bending model for inextensible surfaces", SGP 2006,
 //!   <https://doi.org/10.2312/SGP/SGP06/227-230>: isometric bending.
+//! - M. Kelager, S. Niebe, K. Erleben, "A triangle bending constraint model for position-based dynamics", VRIPHYS 2010,
+//!   <https://doi.org/10.2312/PE/vriphys/vriphys10/031-037>.
 //! - T. Jakobsen, "Advanced character physics", Game Developers Conference 2001: the distance projection.
 //! - J. Bender, M. Müller, M. A. Otaduy, M. Teschner, M. Macklin, "A survey on position-based simulation
 //!   methods in computer graphics", Comput. Graph. Forum 33(6), 2014, <https://doi.org/10.1111/cgf.12346>.

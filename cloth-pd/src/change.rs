@@ -17,6 +17,19 @@ pub struct AttachmentId(u32);
 /// does, if a pin or an element has changed: it is reported too (`coarse_builds`), and takes no part in the choice
 /// between correction and factorisation. To move what is prescribed or attached already changes no matrix and costs
 /// nothing.
+///
+/// What makes the factor of `A = M/Δt² + Σ w SᵀS` stale:
+///
+/// | change | the next step |
+/// |---|---|
+/// | state, gravity, load, a rest length in time, the target of an attachment | solves with the factor |
+/// | the path of a prescribed vertex | the same: its velocity is data of the step |
+/// | contacts, friction | the same, in conjugate gradients around it; no contact is in A |
+/// | [`prescribe`](PdSolver::prescribe), [`attach`](PdSolver::attach), [`detach`](PdSolver::detach) | corrects by rank 1 |
+/// | [`release`](PdSolver::release) | corrects by rank 2 |
+/// | [`remove`](PdSolver::remove) | corrects by a rank for each row of S |
+/// | so many of these that a correction is dearer; another Δt | factorises, in the same pattern |
+/// | another mass, weight or stiffness; a new element or vertex | cannot: build another solver |
 impl PdSolver {
     /// Grabs a vertex: from now on it moves with its own velocity whatever the forces.
     ///
@@ -53,6 +66,14 @@ impl PdSolver {
     }
 
     /// Ties a vertex to a point by a spring without length: a hand, a hook, a contact.
+    ///
+    /// The vertex stays off its target by load over stiffness. With n springs of k (N/m) at each vertex of mass m the
+    /// eigenvalues of A are between `m/Δt²` and `m/Δt² + 2 n k` (Gershgorin), and an attachment of stiffness K makes
+    /// the upper bound at most `m/Δt² + 2 n k + K`: for K = 100 k and n = 8 seven times as large. Cholesky's
+    /// factorisation loses nothing by that: its error follows the condition of the matrix scaled to a unit diagonal
+    /// (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 10.1), in which a large diagonal
+    /// entry only uncouples its row. [`detach`](PdSolver::detach), as a correction of a factor that has K in it, subtracts
+    /// nearly equal numbers, and loses as many digits as K/(n k) has.
     ///
     /// # Errors
     /// [`ChangeError::NoSuchVertex`]; [`ChangeError::InvalidAttachment`] for a stiffness that is not positive and

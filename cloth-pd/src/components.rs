@@ -1,4 +1,14 @@
 //! Connected components of the cloth that nothing constrains.
+//!
+//! *Linear momentum.* The rows of S of an element that does not resist a translation add up to zero, so `1ᵀA = 1ᵀM/Δt²`
+//! over such a component (1 the vector of ones), and `1ᵀ∇G = 1ᵀM (q − u)/Δt²`. A plain iteration, A d = ∇G and q⁺ = q −
+//! d, therefore has `1ᵀM (q⁺ − u) = 0`: the centre of mass is right after one of them, from any start. An iterate that
+//! has it right has `1ᵀ∇G = 0`, and pairs, extrapolations and shortened steps are combinations that keep it so. Of a
+//! coarse correction the shift is taken away.
+//!
+//! *Angular momentum.* The forces of a plain iteration are `w Sᵀ(p − S x⁺)`, with the p of x. Their moment about the
+//! origin is `w Σ z × p` over the rows z of S x⁺: zero only if p is the projection of x⁺, at convergence. What is left
+//! then is that of implicit Euler, `−Δt² Σ v[1] × f(x[1])` in a step, f the internal forces.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;

@@ -14,6 +14,19 @@
 //! So candidates are detected in every iteration, for the path that is about to be taken, and `C`, `∇C` and the rows of
 //! the next iteration are evaluated over them. An accepted path has no intersection, so nothing passes through in
 //! between (no tunnelling). A row has up to four vertices with weights, as a vertex and a triangle or two edges have.
+//!
+//! *Thickness* belongs to the potential (`cloth-collide`): it acts where two surfaces are nearer than that, so cloth at
+//! rest on something keeps a gap a little smaller, and no gap becomes zero.
+//!
+//! *Non-penetration* is a condition on positions: the barrier in C and the truncated paths, not a velocity and not a
+//! force that is added to the right-hand side of the constant matrix. Forces are −∇C at the iterate, so they change in
+//! every iteration with x.
+//!
+//! *Friction.* λ and the plane are set in `begin` and kept, so `G + C` is one function in all iterations of a step, and
+//! each accepted iterate is lower, but for rounding: lagging takes nothing from the convergence within a step. λ is not
+//! iterated. So ‖f‖ ≤ μ λ holds exactly, converged or not, for the λ of the start; for that of the end it is wrong by μ
+//! times its change over the step. Sticking is a stiff spring: under a tangential force f a vertex gives way by u = ε
+//! f/(μ λ), at most ε.
 
 use crate::global::GlobalSystem;
 use cloth_core::contact::{ContactPotential, ContactRow, GlobalRows};

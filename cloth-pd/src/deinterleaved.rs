@@ -4,6 +4,11 @@
 //! Positions and sums of a block are deinterleaved once, into [`Buffers`], for all elements that touch it. An element
 //! needs a root and a division, and the rest of its work, done for one register of elements after the other, takes
 //! about as long: the processor does both at the same time.
+//!
+//! Where the vertices are numbered along rows, as on a grid, the ends of neighbouring springs are neighbours too, and
+//! both are read and added to as streams, without an index: x, y and z apart, even vertices apart from odd ones, eight
+//! springs side by side. What is left is the square root and the division of each spring (0.7 ns of 1.7 on one thread),
+//! the sums, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
 
 use crate::vertex_blocks::of;
 use cloth_core::element::Projective;

@@ -4,6 +4,26 @@
 //! solve, by [`WoodburyUpdate`], as long as that is cheaper than factorising again. How long a change will
 //! stay is not known (the ski-rental problem): once the corrections have cost as much as a factorisation, the matrix is
 //! factorised. That never costs more than twice the better choice.
+//!
+//! *Fill.* On the alternating grid with 128 vertices a side, 16 384 rows:
+//!
+//! | | lower half of A, numbers a row | factor, numbers | a row | both copies of it |
+//! |---|---|---|---|---|
+//! | springs | 4 | 0.5 million | 33 | 9 MB |
+//! | springs and quadratic hinges | 6 | 1.29 million | 79 | 21 MB |
+//!
+//! In nested dissection of a mesh of n vertices the numbers grow as n log n, the multiplications of a factorisation as
+//! n^(3/2) (A. George, SIAM J. Numer. Anal. 10, 1973, <https://doi.org/10.1137/0710032>). By that law 10 000 vertices
+//! have 0.3 million numbers, or 0.75 million with hinges.
+//!
+//! *Factor against solve.* A solve does 12 operations a number (a product and a sum, forward and backward, for x, y and
+//! z) on 16 bytes that it reads. A factorisation does a product and a sum for each pair of numbers in a column, on one
+//! thread. By the [`cost`] below it takes (3 + 0.13 c)/0.85 solves, c numbers a row: 9 with springs and 16 with hinges
+//! at 128 a side. In the limit this grows as √n/log n.
+//!
+//! *Memory.* The factor is kept twice, as the library makes it and in the order of [`PanelFactor`]: 16 bytes a number.
+//! By the law above a sheet of 1024 vertices a side has 47 numbers a row, or 112: 0.8 or 1.9 GB. Its indices are 32
+//! bits, so 2³² numbers are the limit where memory is not. Nothing else grows faster than n.
 
 use crate::local::Projections;
 use crate::matrix::{SMALLEST_PIVOT, assemble, fill, smallest_pivot, upper_pattern};

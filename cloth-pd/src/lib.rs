@@ -39,7 +39,7 @@
 //! # Idea
 //! Implicit Euler is `x[1] = x[0] + Δt v[1]` with `v[1] = v[0] + Δt M⁻¹ (f_ext − ∇E(x[1]))`. The second put into the
 //! first gives `M (x[1] − x̃)/Δt² = −∇E(x[1])` with `x̃ = x[0] + Δt v[0] + Δt² M⁻¹ f_ext`, the condition `∇G = 0` of a
-//! minimisation (f_ext comes with the step and is constant while that is solved):
+//! minimisation (f_ext, the weight and `StepInput::load`, is constant in the step):
 //!
 //! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)`, `‖y‖²_M = yᵀ M y`.
 //!
@@ -57,8 +57,9 @@
 //!
 //! `A x = M x̃/Δt² + Σ w Sᵀ p`,  `A = M/Δt² + Σ w SᵀS`.
 //!
-//! No position occurs in A. It depends on the mesh, the weights, the masses, the prescribed vertices and Δt. It acts on
-//! x, y and z alike, so it has a row per vertex and not three; it is factorised once, and an iteration costs the
+//! No position occurs in A. It depends on the mesh, the weights, the masses, the prescribed vertices and Δt
+//! (`change.rs` has what makes its factor stale). S multiplies a vertex by one number, whatever the axis, so A acts on
+//! x, y and z alike and has a row per vertex and not three; it is factorised once, and an iteration costs the
 //! projections and one solve with the factor.
 //!
 //! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring; rest area times
@@ -70,6 +71,7 @@
 //! | element | z = S x | its nearest p | w |
 //! |---|---|---|---|
 //! | spring ([`Spring`]) | x₀ − x₁ | L z/‖z‖ | k |
+//! | limit of a spring ([`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring)) | x₀ − x₁ | clamp(‖z‖) z/‖z‖ | k |
 //! | triangle, as rigid as possible ([`ArapTriangle`](cloth_core::energy::ArapTriangle)) | F = Σ xᵢ bᵢᵀ, 3 × 2 | U Vᵀ of F = U Σ Vᵀ | area · Y |
 //! | limit of a triangle ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
 //! | hinge, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | D/(A₀ + A₁) |
@@ -80,24 +82,27 @@
 //! Why U clamp(Σ) Vᵀ is nearest: ‖F − P‖² = ‖F‖² − 2 F:P + ‖P‖², and F:P ≤ Σ σᵢ(F) σᵢ(P) (von Neumann), with equality
 //! for P with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F is 3 × 2, so
 //! there are no reflections to exclude. p is unique and continuous in z where z ≠ 0 (spring, curved hinge) and where F
-//! has rank 2 (triangle). Elsewhere it jumps, and any of the nearest p will do: E itself is continuous, and the bound
-//! below holds for each of them. The bᵢ (1/m) are the gradients of the linear hat functions on the triangle at rest.
+//! has rank 2 (triangle). Elsewhere it jumps, unless the least length is 0, and any of the nearest p will do: E itself
+//! is continuous, and the bound below holds for each of them. `local.rs` has the singular values in closed form, with
+//! degenerate and inverted triangles. The bᵢ (1/m) are the gradients of the linear hat functions at rest.
 //!
 //! The qᵢ of a hinge are cotangent weights at rest, so that ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its
-//! fold θ without stretch; D is the bending rigidity, A₀ and A₁ are the areas of its triangles. For small θ a flat
-//! hinge stores ½ D e² θ²/(A₀ + A₁). A hinge curved at rest compares lengths only, so a fold by θ₀ to the wrong side
-//! costs nothing either.
+//! fold θ without stretch; D is the bending rigidity (N m), A₀ and A₁ are the areas of its triangles. For small θ a
+//! flat hinge stores ½ D e² θ²/(A₀ + A₁). A cylinder of curvature κ then stores ½ D κ² per area on equilateral
+//! triangles, and on the alternating grid along its lines; 1½ times that along its diagonals. A hinge curved at rest
+//! compares lengths only, so a fold by θ₀ to the wrong side costs nothing either.
 //!
 //! Both steps minimise, so `G` falls in every iteration with the whole matrix, from any start, without a line search:
-//! the frozen p bound the energy from above and touch it at x (majorise and minimise). For the same reason the gradient
-//! needs no derivative of the projection, no singular value decomposition is differentiated: p is a minimum of
-//! ½ w ‖S x − p‖², so its change with x adds nothing to first order (the envelope theorem), and
+//! the frozen p bound the energy from above and touch it at x (majorise and minimise; `objective.rs` has by how much,
+//! and what breaks the bound). For the same reason the gradient needs no derivative of the projection, no singular
+//! value decomposition is differentiated: p is a minimum of ½ w ‖S x − p‖², so its change with x adds nothing to first
+//! order (the envelope theorem), and
 //!
 //! `∇E = Σ w Sᵀ(S x − p)`,  `∇²E = Σ w Sᵀ(I − ∂p/∂z) S`.
 //!
-//! A has I in the place of I − ∂p/∂z. So an iteration is `A (x⁺ − x) = −∇G(x)`: Newton's method with A in place of the
-//! Hessian, and with steps of length 1 (Liu et al. 2017). A is never below the Hessian, because ∂p/∂z is never
-//! negative: p is the gradient of the largest of the linear functions `p·z − ½ ‖p‖²` of the set, which is convex in z.
+//! A has I in the place of I − ∂p/∂z. Less `A x` on both sides the global step is `A (x⁺ − x) = −∇G(x)`: Newton's
+//! method with A for the Hessian and steps of length 1 (Liu et al. 2017). A is never below the Hessian, as ∂p/∂z is
+//! never negative: p is the gradient of the largest of the linear functions `p·z − ½ ‖p‖²` of the set, convex in z.
 //!
 //! # What the constant matrix loses, and how it is won back
 //! A is as stiff across a spring as along it, but a spring resists only along. Near the minimum an iteration turns the
@@ -135,6 +140,8 @@
 //! | quasi-Newton | 0.440 | 2.59 |
 //! | quasi-Newton with a coarse grid of 12 cells | 0.4986 | 2.40 |
 //!
+//! Truncation looks like damping (the fall) and, without the grid, like softness (the stretch) at once.
+//!
 //! Once the smooth part of the error is gone the grid helps no more: the last digits take as many iterations with it as
 //! without, or more.
 //!
@@ -171,13 +178,14 @@
 //! | L-BFGS (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs`, [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory) |
 //! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
 //! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
-//! | u (`begin`) and, with it, x̃ | `objective.rs` |
+//! | u = `(v + a * dt) * dt` (in `begin`) and, with it, x̃ | `objective.rs` |
 //! | the loop, the velocities | [`PdSolver`], `solver.rs` |
 //!
 //! `examples/first_program.rs` is the plain iteration from x̃, for x itself, as loops over arrays with a dense matrix,
-//! and compares itself with [`PdSolver`]. In the crate the local step is spread over several files: the formula of one
-//! element stands in `batch.rs`, at `ProjectionBatch::find_one_by_one` (z, p, force `w (z − p)`, energy
-//! `½ w ‖z − p‖²`), and everything else computes the same numbers for many elements at once.
+//! and compares itself with [`PdSolver`]: 30 steps end within 10⁻¹² m of each other. In the crate the local step is
+//! spread over several files: the formula of one element stands in `batch.rs`, at `ProjectionBatch::find_one_by_one`
+//! (z, p, force `w (z − p)`, energy `½ w ‖z − p‖²`), and everything else computes the same numbers for many elements at
+//! once, to 10⁻¹⁴ of the largest force (`tests/chapter/local.rs`).
 //!
 //! # Iterations
 //! The sixteenth step of that sheet, from x̃, until `(G − G*)/(G(x̃) − G*)` is below an error
@@ -220,37 +228,28 @@
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
 //! is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading
 //! the factor, and beside the linear-algebra library, by size. The local step reads a rest length and a stiffness (16
-//! bytes) a spring where springs are streams (below), and reads or writes 72 bytes a vertex;
-//! `cargo bench -p cloth-bench --bench projective -- "local step"` has its time beside that of a stream of 24 bytes a
+//! bytes) a spring where springs are streams, and reads or writes 72 bytes a vertex;
+//! `cargo bench -p benches --bench projective -- "local step"` has its time beside that of a stream of 24 bytes a
 //! spring and 72 a vertex: 2.0 to 2.6 times as long with 128 vertices a side, where all is in a cache, 1.0 to 1.3 with
-//! 256 and 1.3 to 1.9 with 512. Where the vertices are numbered along rows, as on a grid, the ends of neighbouring
-//! springs are neighbours too, and both are read and added to as streams, without an index: x, y and z apart, even
-//! vertices apart from odd ones, eight springs side by side. What is left is the square root and the division of each
-//! spring (0.7 ns of 1.7 on one thread), the sums, and taking x, y and z apart and together again. Cloth in another
-//! order takes the ends one by one.
+//! 256 and 1.3 to 1.9 with 512. `deinterleaved.rs` has the streams.
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending
 //! energy (11 a row), an iteration moves `16 f` bytes for the solve, `16 e + 72 n` for the springs, `12 b + 64 n` for
 //! the bending, about `200 n` for the rest of the objective, and for L-BFGS `100 n`, with `96 n` more for each pair. At
 //! 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 3 MB, 3 MB and, with two pairs, 5 MB.
-//! The factor is ordered by minimum degree or nested dissection, whichever takes less work. A large factor is cut into
-//! subtrees of its elimination tree, which threads can solve side by side. All loops are compiled for wide registers
-//! too ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
+//! The factor is Cholesky's, ordered by minimum degree or nested dissection, whichever takes less work; `global.rs` has
+//! its fill, what factorising costs in solves, and where memory ends. A large factor is cut into subtrees of its
+//! elimination tree, which threads can solve side by side. All loops are compiled for wide registers too
+//! ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
 //!
-//! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first,
-//! which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so. What does not make an iteration faster
-//! (AMD EPYC, Zen 4, one thread): the factor in single precision, by which the iteration converges as well; a number
-//! has to be widened before it is used, and a solve takes 83 µs instead of 63 at 64 a side, 480 instead of 360 at 128,
-//! 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes 5.7 and 8.3 times as long). More
-//! than two sums side by side in the products with the bending matrix: with two, additions hardly wait for each other.
-//! The coarse matrix is needed afresh in every step: kept for two, the kinetic energy of the swing (below) is −74 %
-//! instead of −44; taken several times in a step, no better than once.
+//! What does not make an iteration faster (AMD EPYC, Zen 4, one thread): the factor in single precision, by which the
+//! iteration converges as well; a number has to be widened before it is used, and a solve takes 83 µs instead of 63 at
+//! 64 a side, 480 instead of 360 at 128, 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes
+//! 5.7 and 8.3 times as long). More than two sums side by side in the products with the bending matrix: with two,
+//! additions hardly wait for each other.
 //!
-//! Why a solve of our own and not the library's: a triangular solve does two operations per number of the factor that
-//! it reads, so memory decides. [`PanelFactor`] lays the factor out in the order in
-//! which it is read, in panels of up to four columns with the diagonal inverted, and carries x, y and z in one vector
-//! register: the factor is read twice for all three and not twice for each, and a panel's right-hand sides stay in
-//! registers.
+//! Why a solve of our own and not the library's: memory decides its time, and [`PanelFactor`] reads the factor as one
+//! stream, twice for x, y and z together and not twice for each.
 //!
 //! # Contact
 //! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
@@ -260,8 +259,9 @@
 //! is on unless `.self_collision(false)`. Friction is in C with the normal forces λ and planes of the start of the
 //! step (lagged, Li et al. 2020): μ λ f(‖u‖) of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a
 //! hundredth of the thickness, and stays there: friction has a potential, and never exceeds μ λ, with the λ of the
-//! start, which the step does not update. In a step with contact, plain and Chebyshev iterations are replaced by
-//! quasi-Newton iterations without pairs, because an extrapolated displacement cannot be bounded.
+//! start, which the step does not update: Coulomb's cone holds for that λ, not for the one at the end. In a step with
+//! contact, plain and Chebyshev iterations are replaced by quasi-Newton iterations without pairs, because an
+//! extrapolated displacement cannot be bounded.
 //!
 //! Ly et al. (2020) instead leave the global matrix as it is, split it into its diagonal and the rest, and find the
 //! force on each vertex by Coulomb's law in the local step. Their contacts are at vertices, and their forces are those
@@ -324,7 +324,7 @@
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`]: `OutOfRange` (no iterations, a spectral radius outside [0, 1), a
 //!   weight that is negative or not finite, rest positions of the coarse grid that do not match), `NoSuchVertex`,
-//!   `NoSuchView`, or `MatrixTooLarge` (more entries than 32 bits count, or no memory for the factor). `energy` never
+//!   `NoSuchView`, or `MatrixTooLarge` (more entries than 32 bits count, or no memory to factorise in). `energy` never
 //!   fails; its error is kept for `build`.
 //! - **A step** is refused with a [`StepError`]: `InvalidTimeStep` if Δt is not positive and finite, `NonFiniteInput`
 //!   or `NonFinite` if an input or the result is not finite (the vertex is named), `NotPositiveDefinite` if A is not to
@@ -334,6 +334,7 @@
 //! - **Degenerate elements are no error.** A spring whose ends coincide projects to a direction that its vertex numbers
 //!   give, so a cloth collapsed to a point unfolds; a triangle collapsed to a line or a point has singular vectors
 //!   chosen for it. A triangle without rest area has no weight, and is left out.
+//! - **Cloth that no pin holds is no error**, nor is a part of it: it falls, with its momentum kept (`components.rs`).
 //! - **No convergence is no error.** Without a tolerance the outcome is
 //!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where `velocity_tolerance` or a failed line search
 //!   in contact ends the step; it is `Converged` where forces in contact balance to 10⁻⁸, where the cloth flies freely
@@ -347,16 +348,20 @@
 //! and no colouring is needed; an element on a border is computed twice. A family (all elements of one `.energy()`
 //! call) of fewer than 32 768 elements stays on one thread. The solve runs over independent subtrees of the elimination
 //! tree. Blocks and subtrees depend on the mesh alone, so results have the same bits on any number of threads
-//! (`threads_do_not_change_a_bit` in `tests/chapter/step.rs`), and without the feature.
+//! (`threads_do_not_change_a_bit` in `tests/chapter/step.rs`), and without the feature. Passes over vertices (inertia,
+//! bending, pairs, restriction, prolongation, inner products) go in chunks of 2048, whose sums are added in a fixed
+//! order; from 8192 vertices on threads share them, and the coarse cycle runs beside the solve. Factorisation, the
+//! coarse matrix, Woodbury's correction and the loop of Chebyshev's method are serial.
 //!
 //! # Add an element
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Projective<N, K>` gives S, w
 //! and the projection, which must be the nearest point in the Euclidean norm, or `∇E = w Sᵀ(S x − p)` is wrong; for an
-//! element with `Energy` too, [`projection_error`](cloth_core::check::projection_error) tells. Write
-//! `projected_hessian` too, unless the projection is constant: its default, the identity, makes the coarse grid as
-//! stiff as A, and nothing is won by it. `PROJECTION_IS_CONSTANT` and `sphere` are for speed; give a `sphere` only if
-//! its radius never changes, because the solver keeps it. The matrix, threads, accelerations and the removal of
-//! elements follow.
+//! element with `Energy` too, [`projection_error`](cloth_core::check::projection_error) tells; for any other,
+//! [`LocalStep`] gives E and ∇E, to be compared by differences. Test that, and that `G` falls in every plain iteration
+//! (as in `tests/chapter/minimum.rs`). S and w must be constant. Write `projected_hessian` too, unless the projection
+//! is constant: its default, the identity, makes the coarse grid as stiff as A, and nothing is won by it.
+//! `PROJECTION_IS_CONSTANT` and `sphere` are for speed; give a `sphere` only if its radius never changes, because the
+//! solver keeps it. The matrix, threads, accelerations and the removal of elements follow.
 //!
 //! ```
 //! use cloth_pd::cloth_core::element::{Element, Projective};
@@ -399,7 +404,8 @@
 //! ```
 //!
 //! An element that is no squared distance to a set under a constant linear map is refused when compiling. An area is a
-//! product of edges, so no such map gives it:
+//! product of edges, so no such map gives it. (What keeps an area nearly can be written: z = F and the set σ₁σ₂ = 1,
+//! Bouaziz et al. 2014, section 5. That is another energy, and its p takes an iteration of its own.)
 //! ```compile_fail,E0277
 //! use cloth_core::{energy::AreaTriangle, math::Vec3, particles::Particles};
 //!
@@ -410,9 +416,9 @@
 //! ```
 //!
 //! # Limits
-//! - There is no damping but that of implicit Euler, which divides the energy of a mode of angular frequency ω by
-//!   `1 + (ω Δt)²` in a step: a swing of 1 s loses half of it in 1.06 s at Δt = 1/60 s, in 4.2 s at 1/240. For more,
-//!   scale the velocities between steps, or hand drag over as a load ([`cloth_core::air`]).
+//! - There is no Rayleigh or strain-rate damping, only that of implicit Euler, which divides the energy of a mode of
+//!   angular frequency ω by `1 + (ω Δt)²` in a step: a swing of 1 s loses half of it in 1.06 s at Δt = 1/60 s, in 4.2 s
+//!   at 1/240. For more, scale the velocities between steps, or hand drag over as a load ([`cloth_core::air`]).
 //! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon
 //!   reached and says little: plain, truncated there, the sheet above floats. Check the fall beside the stretch before
 //!   choosing a number of iterations.
@@ -447,12 +453,7 @@
 //!   cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have,
 //!   and what should have bent is compressed (9 times the elastic energy with ten iterations, at 64 a side).
 //!
-//!   *Tried in vain*, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from the
-//!   step before, as they are (the steps then need line searches) or with their changes of gradient taken anew; hats
-//!   that are quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal as a
-//!   third term of the initial inverse Hessian, on the vertices and on finer grids, which moves vertices out of the
-//!   cloth so far that the springs, which then stretch, take the energy away. `G` has a narrow, curved valley along
-//!   which the cloth bends.
+//!   `G` has a narrow, curved valley along which the cloth bends; `quasi_newton.rs` has what was tried in vain.
 //! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after
 //!   half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
 //! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])`: one that ends above
@@ -469,12 +470,12 @@
 //!   that. Where `G` has several (compressed cloth), which of them depends on the path.
 //! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing
 //!   holds starts with the right momentum, and every direction keeps it. The start at `x[0]` gains it with the first
-//!   full step. Angular momentum is not: implicit Euler does not conserve it, and an iteration cut short less so.
+//!   full step. Angular momentum is not: implicit Euler does not conserve it, and an iteration cut short less so
+//!   (`components.rs` has both).
 //! - Only energies of the form above. Springs, stitches, hinges flat or curved at rest or on midpoints,
 //!   as-rigid-as-possible triangles, strain limits and attachments have it; an energy with a varying stiffness does
-//!   not. Liu et al. (2017) go on to hyperelastic energies, with a w per element from the mean slope of its stress over
-//!   the stretches that are expected, which shapes A alone: too small a w makes directions too long, which the line
-//!   search shortens, too large a one makes them short. They are not implemented here.
+//!   not. Liu et al. (2017) go on to hyperelastic energies, with a w per element that shapes A alone. They are not
+//!   implemented here; `quasi_newton.rs` says how they fit w, and what one that is ten times off does.
 //! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
 //! - A matrix in which elimination cancels all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m`

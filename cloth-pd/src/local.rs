@@ -1,5 +1,33 @@
 //! The local step: every element on its own projects `z = S x` to the nearest point `p` of its set, which gives the
 //! forces on its vertices.
+//!
+//! *A spring, a curved hinge.* p = r z/‖z‖. At z = 0 every point of the sphere is as near; p is then r times a unit
+//! vector that the numbers of two vertices give ([`length_and_direction`](cloth_core::math::length_and_direction)).
+//!
+//! *A triangle* (`project` of [`ArapTriangle`](cloth_core::energy::ArapTriangle) and
+//! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)): the singular values of F = (f, g), 3 × 2, by one
+//! rotation in the plane of the rest shape (a Jacobi rotation, which makes FᵀF diagonal). There is no iteration.
+//! ```text
+//! φ = ½ atan2(2 f·g, f·f − g·g),  c = cos φ,  s = sin φ
+//! f' = c f + s g,  g' = c g − s f                    f'·g' = 0 and ‖f'‖ ≥ ‖g'‖
+//! u₁ = f'/‖f'‖,  σ₁ = ‖f'‖;   g' ← g' − (u₁·g') u₁,  u₂ = g'/‖g'‖,  σ₂ = ‖g'‖
+//! v₁ = (c, s),  v₂ = (−s, c)
+//! p = σ₁' u₁ v₁ᵀ + σ₂' u₂ v₂ᵀ                        σ' = 1, or σ clamped to the limits
+//! ```
+//!
+//! | F | p | continuous there |
+//! |---|---|---|
+//! | σ₁ = σ₂ > 0 | φ is arbitrary, the sum p is not | yes |
+//! | turned over in space | its own nearest map: U Vᵀ has no sign to choose | yes |
+//! | σ₂ = 0: a line | u₂ is some vector at right angles to u₁ | no: across it u₂ becomes −u₂ |
+//! | F = 0: a point | u₁, u₂ are two fixed axes | no |
+//!
+//! "Zero" is a squared length of at most 10⁻²⁸⁰. A change dF changes U Vᵀ by at most ‖dF‖/σ₂: its derivative is 2/(σ₁ +
+//! σ₂) for a turn in the plane of the triangle, 1/σₖ for one out of it, and 0 else. So a triangle pressed flat to a
+//! line meets no infinite energy and passes through: `½ w ((σ₁ − 1)² + (σ₂ − 1)²)` has a ridge at σ₂ = 0, from which it
+//! is pushed to either side. Turned over it is at rest as before; only the hinges to its neighbours are not. On
+//! the ridge the energy is continuous and any of the nearest p bounds it, so the iteration descends from there too.
+//! With a lower limit of 0 the set is convex, and p continuous everywhere.
 
 use crate::batch::{BATCH_SIZE, projected_hessians_on_spheres, unpacked};
 use crate::global::Term;

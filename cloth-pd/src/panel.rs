@@ -2,7 +2,9 @@
 //!
 //! Where a matrix acts on x, y and z alike, one solve carries all three. Projective dynamics does so in every
 //! iteration with the same factor, and then its layout decides how long an iteration takes: the solve reads every
-//! number of the factor twice and does little with it.
+//! number of the factor twice and does little with it, a product and a difference for each of x, y and z. So x, y and z
+//! of a row share a vector register, the factor is read twice for all three and not twice for each, and the right-hand
+//! sides of a panel of up to four columns stay in registers while its rows go by.
 
 mod parts;
 

@@ -1,5 +1,19 @@
 //! XPBD as plain loops over arrays: the naive method, beside the real solver, which takes the same step.
 //!
+//! What the solver does otherwise, and where (in `cloth-core/src/method`):
+//!
+//! | here | there |
+//! |---|---|
+//! | the order given | colours, `coloring.rs`; with `Sweep::Sequential` as here |
+//! | `scaled_compliance` in every visit | once a substep size, beside λ: `Multiplier` in `update.rs` |
+//! | `gradient = d / d.norm()` | not formed: Δλ/l instead, `unit_row_correction` in `position_based/correction.rs` |
+//! | zero length gives NaN | a direction by the vertex numbers: `Spring::row_form` |
+//! | `x` indexed with a check of bounds | stencils checked once, when built: `parallel.rs` |
+//!
+//! Positions are an array of three numbers a vertex there too, masses are inverted once, roots and quotients are exact
+//! to rounding: nothing is approximate, and in double precision no loop packs several elements into one register. So
+//! what differs is rounding: 3e-13 m after 600 substeps. `single` packs four springs, and agrees to its precision.
+//!
 //! `cargo run --release -p cloth-xpbd --example first_program`
 
 use cloth_xpbd::cloth_core::mesh::generate::{Diagonals, grid};

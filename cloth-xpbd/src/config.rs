@@ -4,6 +4,39 @@ use cloth_core::math::Real;
 use cloth_core::method::position_based::{Acceleration, Sweep};
 
 /// Settings of [`XpbdSolver`](crate::XpbdSolver).
+///
+/// # How fast sweeps converge
+/// For rows with constant gradients a sweep is Gauss–Seidel on `A = J M⁻¹ Jᵀ + α̃`, which is symmetric and positive
+/// semi-definite. So it converges for any mesh, stiffness and masses ([stability](crate#limits)), unless hard rows
+/// contradict one another. The slowest part of the error is multiplied by one factor ρ a sweep: a factor of e takes
+/// `1/(−ln ρ)` sweeps. In a straight chain A is tridiagonal, with `wᵢ₋₁ + wᵢ + α̃` on the diagonal and `−wᵢ` beside it,
+/// and the ρ of Gauss–Seidel is the square of that of Jacobi (D. Young, "Iterative solution of large linear systems",
+/// 1971). With `κ = 2 k h² w`:
+///
+/// | chain | ρ |
+/// |---|---|
+/// | N rigid links, equal masses, held by one end | `cos²(π/(2N))` |
+/// | N springs of κ, equal masses, both ends free | `cos²(π/(N + 1))/(1 + 1/κ)²` |
+/// | two rigid links, hung: a mass m, below it r m | `r/(1 + r)` |
+/// | N rigid links, hung: masses m, the last one r m, r well above N | about `1 − 1/(r (N − 1))` |
+///
+/// The last line is a Rayleigh quotient: with equal λ in all links `λᵀAλ` is the w of the tip alone, `1/(r m)`, and the
+/// diagonal makes `2 (N − 1)/m`. That gives Jacobi's `1 − ρ`, and Gauss–Seidel has twice that.
+///
+/// - **Stiffness**: sweeps for a factor of e are about `1/(2/κ + π²/(N + 1)²)` with both ends free: some `κ/2` while
+///   the springs are soft for the step, and no more than `(N + 1)²/π²` however stiff they are. A hard row is no slower.
+/// - **Resolution**: on a sheet of n vertices a side and the same material, w goes with n² and k is constant. At the
+///   same h both `κ/2` and N² grow with n², and so do the sweeps. With h ~ 1/n, n times the substeps, κ is constant:
+///   then one sweep a substep corrects the same fraction on any mesh, at the cost of n substeps and not n² sweeps.
+/// - **Mass ratio**: with a heavy tip a factor of e takes some `r (N − 1)` sweeps in the place of `4N²/π²`, so for 24
+///   links and r = 1000 some 23,000 in the place of 230. A light tip costs none. Springs take fewer: 1/r becomes
+///   `1/r + N/(k h² w)`, as the compliance of the chain lets the tip go. For heavy tips there is the [direct
+///   solver](crate#direct-solve).
+/// - **The order** does not change ρ of a chain: Gauss–Seidel has the square of Jacobi's ρ in the order of the links
+///   and coloured. Averaged Jacobi is slower; [`Sweep`] has its factors.
+///
+/// For a sheet ρ has no closed form. Hung by a side its columns are chains of N = n − 1; what is measured on sheets is
+/// the strain that is left ([table](crate#how-many-substeps-how-many-iterations)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XpbdConfig {
     /// Sweeps over all constraints per substep, at least 1.

@@ -48,11 +48,28 @@
 //! the implicit Euler step and not near it, and so that elastic energies and hard constraints can stand in one
 //! system. Where no gradient turns the two end at the same place.
 //!
-//! **This residual in sweeps.** The first equation is the *primal* one, and its residual is what makes converged
-//! sweeps miss the implicit Euler step ([limits](crate#limits)): forces that do not balance where links turn. Chen et
-//! al. 2024 put it back into the row-by-row update, for rows of the energy ½ k C² and for general hyperelasticity. This
-//! crate has no such sweep: substeps shrink the gap with h, and Newton's method on all rows, here, removes it. Deul et
-//! al. 2018 solve XPBD's own system directly, along the tree of a rod.
+//! **This residual in sweeps.** The first equation is the *primal* one. A visit adds `M⁻¹ ∂Cᵀ Δλ` to x with its own
+//! gradient, so after all visits v the residual `g = M (x − x̃) − J(x)ᵀ λ` is
+//!
+//! ```text
+//! g = Σᵥ (∂C(xᵥ) − ∂C(x))ᵀ Δλᵥ
+//! ```
+//!
+//! It is zero for rows with constant gradients. A link that has turned by φ since its visit leaves `2 sin(φ/2) |Δλ|/h²`
+//! (N) at each end. That is why converged sweeps miss the implicit Euler step: motions differ from it, and forces do
+//! not balance where links turn ([limits](crate#limits) has both). Newton's method with g kept is
+//!
+//! ```text
+//! (J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃ λ) + J M⁻¹ g,   Δx = M⁻¹ (Jᵀ Δλ − g)
+//! ```
+//!
+//! and for one row `Δλ = (−(C + α̃λ) + Σ wᵢ ∂C/∂xᵢ·gᵢ)/(w̃ + α̃)`, `Δxᵢ = wᵢ (∂C/∂xᵢ Δλ − gᵢ)`. So a visit needs g at
+//! its vertices, a sum over all rows that meet there, with their gradients at the present x. Chen et al. 2024 (before,
+//! at Motion in Games 2023) correct the update row by row: B-PXPBD is a small change of XPBD for energies ½ k C²,
+//! FP-PXPBD takes general hyperelasticity; with many iterations both converge about as Newton's method does, where XPBD
+//! does not. This crate has no such sweep. Substeps shrink the gap with h, and Newton's method on all rows, here,
+//! removes it: [`Residuals::momentum`] is `‖g‖/h²`, what is left of it. Deul et al. 2018 solve XPBD's own system
+//! directly, along the tree of a rod.
 //!
 //! An iterate is accepted if a merit function falls (`direct/merit.rs`): `½ ‖x − x̃‖²_M` and, for each row, its elastic
 //! energy `½ C²/α̃` near C = 0, linear in |C| beyond. For a hard row only the linear part is left, a penalty.
@@ -66,7 +83,15 @@
 //! of sign, by `L D Lᵀ` or by MINRES. *Dual*: with Δx eliminated, `(J H⁻¹ Jᵀ + α̃) Δλ = …`, by Cholesky or by
 //! conjugate gradients. The dual matrix needs an H whose inverse is sparse, so the geometric stiffness is then
 //! replaced by a block-diagonal upper bound. GMRES is not offered: on a symmetric matrix it makes the iterates
-//! of MINRES, and keeps all directions to do so.
+//! of MINRES, and keeps all directions to do so. *Primal*, with Δλ eliminated, it would be
+//! `(H + Jᵀ α̃⁻¹ J) Δx = −h² ∇G`, Newton's method on the positions: not offered either, as a hard row has no α̃⁻¹.
+//!
+//! **Definite?** H is positive definite, the negative part of the geometric stiffness being dropped. So the primal–dual
+//! matrix, symmetric, with α̃ > 0 has one positive eigenvalue for each coordinate and one negative for each row: it is
+//! quasi-definite, and has an `L D Lᵀ` without pivoting in any order ([`QuasidefiniteLdlt`]). The dual one is positive
+//! definite. With hard rows, α̃ = 0, both are regular as long as the gradients of those are independent. They are
+//! singular where one depends on others, as in a truss with more links than hold it, or a flat sheet of links. The
+//! factor is therefore that of the matrix with 10⁻¹⁰ or more added to every α̃/(w̃ + α̃); see [limits](#limits).
 //!
 //! The cost of one step of 1/60 s to 1e-6 of the size, written `numbers in the factor: iterations, linear solves`, and
 //! `iterations, Krylov iterations` where there is no factor (`tests/all/direct/systems.rs`). The scenes: a chain of 100
@@ -103,6 +128,10 @@
 //! | 100 links, equal masses | 0.44 | 5 | 470 |
 //! | 100 links, tip 1000 times as heavy | 1.04 | 7 | 1100 |
 //! | sheet, 17 × 17 | 76 to 134 | 12 | 5000 to 10 000 |
+//!
+//! An iteration evaluates the rows, factorises once, and solves three to five times with that factor (table above), a
+//! solve using each of its numbers twice: 4 operations and 16 bytes. The factor of a chain grows with N, 74 numbers a
+//! link in that table. That of the sheet there has 329 for each of 289 vertices, and grows faster than their number.
 //!
 //! With the heavy tip 200 substeps strain the 100 links by up to 1.2 % at the end, 2000 by 0.41 %, as 20 000 do. So for
 //! a chain the direct solver is the cheaper one where sweeps need a thousand substeps; for cloth it is a reference.

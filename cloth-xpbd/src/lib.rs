@@ -80,11 +80,10 @@
 //!
 //! Nothing in them is divided by α̃: with α = 0, (b) is the hard constraint C = 0, and λ its Lagrange multiplier.
 //!
-//! **Newton's method** on both, at some (x, λ), asks for Δx and Δλ. Linearised, (b) is
-//! `C + J Δx + α̃ (λ + Δλ) = 0`. Of (a) XPBD makes something simpler by two approximations: the change of J with x,
-//! the geometric stiffness `−Σ λ ∂²C`, is dropped, and (a) is taken to hold already, as it does at the start, x = x̃
-//! and λ = 0. What remains is `Δx = M⁻¹ Jᵀ Δλ`, the rule by which every correction moves x; put into (b) it gives
-//! their equation 16,
+//! **Newton's method** on both, at some (x, λ), asks for Δx and Δλ. Linearised, (b) is `C + J Δx + α̃ (λ + Δλ) = 0`. Of
+//! (a) XPBD makes something simpler by two approximations: the change of J with x, the geometric stiffness `−Σ λ ∂²C`,
+//! is dropped, and (a) is taken to hold already (its residual, their g, is zero), as it does at x = x̃ and λ = 0. What
+//! remains is `Δx = M⁻¹ Jᵀ Δλ`, the rule by which every correction moves x; put into (b) it gives their equation 16,
 //!
 //! ```text
 //! (J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃ λ)
@@ -154,7 +153,7 @@
 //! | equation | function |
 //! |---|---|
 //! | free flight; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
-//! | C, ∂C/∂x, k | [`Constraint::rows`] of each element |
+//! | C, ∂C/∂x, k | [`Constraint::rows`] of each element; [listed](XpbdBuilder#elements) |
 //! | `C + α̃λ` and α̃, damping | `update.rs`: `XpbdUpdate::equation` |
 //! | Δλ and `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/method/position_based/correction.rs` |
 //! | the loop over rows | [`Families::sweep`], in the order of [`Sweep`] |
@@ -192,21 +191,21 @@
 //! | [`StvkTriangle`](cloth_core::energy::StvkTriangle) | strain (1) | J | 1/J | kg m² |
 //! | any | unit u | J/u² | u²/J | kg m²/u |
 //!
-//! Others, such as attachments, limits, areas and volumes, are the implementors of
-//! [`Constraint`](cloth_core::element::Constraint); [`mod@links`] adds joints.
+//! The page of [`XpbdBuilder`](XpbdBuilder#elements) has C and ∂C of every element, also of triangles, hinges, areas
+//! and volumes, and what is done where ∂C has no value (0/0).
 //!
-//! `α̃ = α/h²` and `w̃` have the same unit, u²/(kg m²); their ratio `k h² w̃` says how stiff a row is *for this
-//! step*: much above 1 it acts as a hard constraint, much below 1 one visit hardly matters. Elements take k, not α, and
-//! derive it from the material: Y (N/m), Young's modulus times thickness, and D (N m), the bending rigidity. Springs
-//! get k = ¾ Y inside the alternating grid, half of that on its rim
-//! ([`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus)). Infinite k is a hard row (zero compliance), zero k no
-//! row. Negative k is not checked: a visit turns C̃ to `−C̃/(|k| h² w̃ − 1)`, or does nothing where `|k| h² w̃ ≤ 1`.
+//! `α̃ = α/h²` and `w̃` have the same unit, u²/(kg m²); their ratio `k h² w̃` says how stiff a row is *for this step*:
+//! much above 1 it acts as a hard constraint, much below 1 one visit hardly matters. Elements take k, not α, and derive
+//! it from the material: Y (N/m), Young's modulus times thickness, and D (N m), the bending rigidity. Springs get
+//! k = ¾ Y inside the alternating grid, half of that on its rim, which makes an isotropic sheet of ν = 1/3 and a shear
+//! modulus of ⅜ Y ([`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus)). Infinite k is a hard row (zero
+//! compliance), zero k no row. Negative k is not checked: a visit turns C̃ to `−C̃/(|k| h² w̃ − 1)`, or does nothing
+//! where `|k| h² w̃ ≤ 1`.
 //!
 //! A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` with the gradients qᵢ along x, y and z: q from the cotangents of its
 //! two triangles, k = 3c/(A₀ + A₁) (Bergou et al. 2006). `CurvatureHinge::new` takes c, `CurvatureHinge::across` D, and
-//! c = D/3. The rows of a StVK triangle are its strain in the eigenbasis of the material matrix, with k = A Y/(1 − ν)
-//! for the change of area and A Y/(1 + ν) for the two shears, so that `½ Σ k C²` is its energy. Any energy E ≥ 0 can be
-//! written as one row, `C = √(2E)` and k = 1, but then ∂C has no value at rest.
+//! c = D/3. The rows of a StVK triangle are its strain in the eigenbasis of the material matrix, a change of area and
+//! two shears, with a k for each such that `½ Σ k C²` is its energy ([formulas](XpbdBuilder#elements)).
 //!
 //! On a finer mesh of the same cloth a spring has the same k, a hinge k ~ 1/A and a triangle k ~ A, so the *converged*
 //! cloth stays the same. Swept once a substep it does not: a finer mesh takes [more substeps](SubstepRule).
@@ -230,7 +229,7 @@
 //! `γ/(1 + γ) = β/(h + β)` as the part of C⁰ that is kept.
 //!
 //! Without it, backward Euler's own damping remains: a substep divides the energy of an oscillation of ω by
-//! `1 + (hω)²`, so in a given time smaller substeps damp less where hω < 2, and more beyond.
+//! `1 + (hω)²`, a damping ratio of hω/2 if that is small. In a given time smaller substeps damp less where hω < 2.
 //!
 //! # Forces
 //! `Jᵀλ/h²` (N): [`XpbdSolver::each_force`] row by row, [`XpbdSolver::vertex_forces_into`] summed at the vertices,
@@ -453,7 +452,7 @@
 //!
 //! # What a sweep costs
 //! ns per element and sweep, on one thread of a 2-core AMD EPYC (Zen 3) with AVX2, plain release build
-//! (`cargo bench -p cloth-bench --bench sweeps`, the smallest sample of each):
+//! (`cargo bench -p benches --bench sweeps`, the smallest sample of each):
 //!
 //! | vertices a side | springs | quadratic hinges | springs, single precision | springs, naive loop |
 //! |---|---|---|---|---|
@@ -464,14 +463,15 @@
 //! | 1000 | 6.1 | 12.9 | | 13.6 |
 //!
 //! The naive loop visits springs in the order of their vertices, each waiting for the one before it. A spring moves
-//! some 170 bytes (24 of its own, 32 for λ and α̃, 56 for each end), 2.3 ns at the 75 GB/s of the third-level cache. An
-//! irregular sheet of 66 000 vertices takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000;
-//! sorted along a curve ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
+//! some 176 bytes, 2.3 ns at the 75 GB/s of the third-level cache; [`XpbdSolver`](XpbdSolver#what-a-step-costs) counts
+//! bytes and operations, and the rest of a step. An irregular sheet of 66 000 vertices takes 5.6. Vertices numbered at
+//! random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
+//! ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
 //!
-//! The sweeps of a step take substeps × iterations × Σ elements × ns, and the rest comes on top. A row keeps 16 bytes,
-//! λ and α̃. A whole run of a sheet with springs and hinges, 256 vertices a side, takes 1.6 kB of memory a vertex
-//! (`cloth-bench study scale`). With a second thread springs take 4.1 instead of 5.2 at 128 a side, and half the time
-//! of one thread from 181 a side (33 000 vertices) on; smaller sheets stay on one.
+//! The sweeps of a step take substeps × iterations × Σ elements × ns. A row keeps 16 bytes, λ and α̃. A whole run of a
+//! sheet with springs and hinges, 256 vertices a side, takes 1.6 kB of memory a vertex (`cloth-bench study scale`).
+//! With a second thread springs take 4.1 instead of 5.2 at 128 a side, and half the time of one thread from 181 a side
+//! (33 000 vertices) on; smaller sheets stay on one.
 //!
 //! # Limits
 //! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ` zero, with
@@ -490,8 +490,8 @@
 //!   from x̃ to x within a substep, as those of a rope between two pins do; in a straight chain they are exact.
 //! - Gauss–Seidel needs more sweeps on a finer mesh. In a straight chain of N rigid links, hung by one end, Jacobi has
 //!   the slowest eigenvector `cos((i − 1)θ)` at link i, `θ = π/(2N)`, with the eigenvalue cos θ; Gauss–Seidel has its
-//!   square, so `cos²(π/(2N))` of the error is kept per sweep. With a compliance it is at most
-//!   `(1 + 1/(2 k h² w))⁻²`. Truncated early, a stiff cloth is softer than its k.
+//!   square, so `cos²(π/(2N))` of the error is kept per sweep. Truncated early, a stiff cloth is softer than its k.
+//!   [`XpbdConfig`](XpbdConfig#how-fast-sweeps-converge) has the rate by stiffness, mesh and mass ratio.
 //! - **Stability**: for linear equality rows each visit of Gauss–Seidel, with a relaxation between 0 and 2, lowers
 //!   `½ λᵀ(J M⁻¹ Jᵀ + α̃)λ + λᵀC(x̃)`. From step to step nothing is proved; `energy_gain` watches it.
 //!   [`Sweep::PlainJacobi`] diverges in cloth unless it is relaxed.
@@ -520,7 +520,7 @@
 //!   strain.
 //! - **A wanted error**: no number of iterations brings it to the implicit Euler step. Take implicit Euler, or
 //!   the direct solver.
-//! - **Motion without numerical damping**: take implicit midpoint or BDF2; substeps only make the damping smaller.
+//! - **Motion without numerical damping**: take implicit midpoint or BDF2 (not in this crate); substeps only lower it.
 //! - **Mass ratios far from 1** along chains: the direct solver.
 //! - **Energies that are not `½ k C²`** with constant k in a few rows, as cubic shells. (Stable neo-Hookean solids can
 //!   be written as two rows: M. Macklin, M. Müller, "A constraint-based formulation of stable neo-Hookean materials",
@@ -531,7 +531,7 @@
 //!
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the same step in plain loops.
-//! 2. `solver.rs`: the loop; `config.rs`: its settings.
+//! 2. `solver.rs`: the loop, its cost; `solver/builder.rs`: elements; `config.rs`: settings, the rate of convergence.
 //! 3. `update.rs`: Δλ and damping. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
 //!    `families.rs` (the sweep), `../coloring.rs` (the colours), `motion.rs` (flight, velocities, contact),
 //!    `chebyshev.rs`.

@@ -18,7 +18,7 @@
 //! 33 vertices and 1 m, falling for 20 steps of 20 substeps, differs from that in double precision by 3.2e-6 in
 //! the strain of its springs (rms, of 8.8e-3) and by at most 4.3e-5 m in its positions (`cargo
 //! test --release -p cloth-xpbd --features single --test all single -- --nocapture`). In return a sweep over
-//! springs takes half the time (`cargo bench -p cloth-bench --bench sweeps`).
+//! springs takes half the time (`cargo bench -p benches --bench sweeps`).
 //!
 //! Springs go in packs of four of one colour, so that no two share a vertex. A pack is an element of eight
 //! vertices, and is coloured and shared by threads like any other. The rows of a

@@ -64,10 +64,11 @@ const SHORT_EDGES: usize = 100;
 /// Twenty substeps leave 54 % at 33 × 33 and 272 % at 64 × 64 by two corners, at the worst moment of the swing.
 ///
 /// **What a substep costs** beside its sweeps: one pass over the vertices for x̃, one for the velocities, one over the
-/// rows to set λ to zero; with damping one more over the rows, for C⁰. Contact is detected once a substep, but a
-/// shorter displacement meets less: for a sheet of 64 × 64 vertices that may touch itself, nine times as many substeps
-/// took twice the time of contact (`cloth-bench run hang --n 64 --steps 20 --method xpbd --set self=yes --set
-/// energy_gain=none --set substeps=20`, and 177).
+/// rows to set λ to zero ([counted](crate::XpbdSolver#what-a-step-costs)); with damping one more over the rows, for C⁰.
+/// Contact is detected once a substep, but a shorter displacement meets less: for a sheet of 64 × 64 vertices that may
+/// touch itself, nine times as many substeps took twice the time of contact
+/// (`cloth-bench run hang --n 64 --steps 20 --method xpbd --set self=yes --set energy_gain=none --set substeps=20`, and
+/// 177).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubstepRule {
     /// The largest strain (dimensionless) that the sweeps may leave in an edge, above 0.

@@ -111,9 +111,9 @@ pub(super) trait NearestFeature {
     const FEATURES: &'static [Feature];
     /// Where it is.
     fn nearest_feature(&self) -> Feature;
-    /// `nearest` and those of more points that it belongs to. At a small distance it takes less than rounding to mistake
-    /// a point of an edge for its end, but the directions to the two are not the same; and the normal of the face often
-    /// serves for longer.
+    /// `nearest` and those of more points that it belongs to. At a small distance it takes less than rounding to
+    /// mistake a point of an edge for its end, but the directions to the two are not the same; and the normal of the
+    /// face often serves for longer.
     fn containing(nearest: Feature) -> impl Iterator<Item = Feature> {
         let contains = move |larger: &Feature| match (*larger, nearest) {
             (Feature::Face, nearest) => nearest != Feature::Face,

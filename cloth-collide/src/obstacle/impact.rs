@@ -12,6 +12,9 @@ use cloth_core::math::{Real, Vec3};
 ///
 /// the impulse stays in the friction cone, and friction stops but never turns round. With the mass m of the vertex, the
 /// impulse on it is m Δu. The obstacle receives −m Δu, but keeps its velocity: its motion is given.
+///
+/// Seen from the surface the vertex loses ½ m (1 − e²) uₙ², and by friction ½ m (‖uₜ‖² − ‖uₜ + Δuₜ‖²): never less than
+/// nothing. In the world a surface that moves with v_p does the work m Δu·v_p besides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactLaw {
     friction: Real,

@@ -71,9 +71,10 @@ const MOST_EVALUATIONS: u32 = 512;
 ///   straight paths without rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a
 ///   few.
 ///
-/// So the time is never late: the vertex is not inside before. It is zero only if the start is in contact. For shapes
-/// that are not convex, a vertex that grazes the surface for long spends the evaluations and stops early, see
-/// [`FirstContact::certain`].
+/// So the time is never late: the vertex is not inside before. It is zero only if the start is in contact. A graze of a
+/// convex shape is Newton's method near a double root, which halves what is left in each evaluation; straight along a
+/// plane is one. For shapes that are not convex, a vertex that slides along the surface at the distance f goes on by
+/// f/Λ in each evaluation: a path of more than 512 f/Λ spends them and stops early, see [`FirstContact::certain`].
 ///
 /// A vertex that is nearer than h from the start is in contact at once if it comes nearer; if it moves away (known for
 /// convex shapes only), it is let go, and found when it comes back.

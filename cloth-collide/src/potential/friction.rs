@@ -5,9 +5,9 @@
 //! plane. f is quadratic below a small length ε, so that sticking is a spring of the stiffness μ λ/ε, and ‖u‖ − ε/2
 //! beyond, where the force is μ λ. The next step takes u on from there, cut to the length ε. So a cloth that sticks
 //! keeps the force that holds it, and does not creep, whatever the number of steps: under a tangential force F < μ λ it
-//! gives way by ε F/(μ λ) once. With u from 0 in every step, as where ε is a speed times Δt, it would give way by that
-//! in each. ε is h/100: small beside the thickness, so that the give is not seen. The stiffness μ λ/ε is
-//! 100 μ (1 − d/h) times that of the quadratic law, at most 50 μ.
+//! gives way by ε F/(μ λ) once. With u from 0 in every step, as where ε is a speed ε_v times Δt, it would give way by
+//! that in each, and creep with the speed ε_v F/(μ λ). ε is h/100: small beside the thickness, so that the give is not
+//! seen. The stiffness μ λ/ε is 100 μ (1 − d/h) times that of the quadratic law, at most 50 μ.
 //!
 //! # Limits
 //!

@@ -5,7 +5,8 @@
 //! they have found. Vertices that get into a body are moved out of it. Vertices of pairs that go through each other
 //! become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid body nothing
 //! can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid, vertices stay
-//! where they were. Everything is tested again after each change, so a step is free or refused.
+//! where they were. Everything is tested again after each change, so a step is free or refused. It ends: there are at
+//! most 40 rounds of pushes and 20 of zones, and after that each round stops another vertex, or refuses the step.
 //! Sources: Provot 1997 (see the [crate](crate#references)) and Bridson et al. 2002 (see
 //! [`obstacle`](crate::obstacle#references)).
 

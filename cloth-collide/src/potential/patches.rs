@@ -11,6 +11,11 @@
 //! and sorts them by d − h. As long as the expression above is less than the bound, the list is complete, and only the
 //! pairs at its beginning, with d − h below the expression, can touch. The common motion of two patches cancels in
 //! c_p − c_q, so cloth that flies as a whole needs no detection.
+//!
+//! Nobody has to keep a promise: each path is measured before it is used (`look` of a substep, again after its sweeps;
+//! `choose` and `holds` of a minimisation), and a bound that it exceeds is a new detection. Which patches are near each
+//! other is found by a broad phase from their boxes, moved outwards by r + h/2. That is valid while no patch goes
+//! farther than r besides what all do together: the mean edge, or twice the displacement of the path if that is more.
 
 mod between;
 mod detect;

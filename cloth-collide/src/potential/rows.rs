@@ -4,7 +4,7 @@
 //! points frozen at x₀ (or at an earlier substep, while the patches have hardly moved against each other: then cloth at
 //! rest has the same rows in each), and what pushes is the law of the potential there: with stiffness k = A ψ″ and the
 //! range d̂ = d − ψ′/ψ″ where the tangent of the force ends, so that λ (kg m) over Δt² is the force k (d̂ − d) (N).
-//! XPBD's projection with the compliance α̃ = 1/(k Δt²) and λ ≥ 0 is
+//! XPBD's projection (Macklin et al. 2016, equation 18) with the compliance α̃ = 1/(k Δt²) and λ ≥ 0 is
 //!
 //! Δλ = max(−λ, −(C + α̃ λ)/(Σ wᵢ²/mᵢ + α̃)), C = n·Σ wᵢ xᵢ − d̂.
 //!

@@ -33,6 +33,124 @@ impl<S> ImplicitBuilder<S> {
     }
 
     /// Adds elements of one kind.
+    ///
+    /// An element of your own with three vertices: a cord of length L that slides through an eyelet at the middle one.
+    /// `C = ‖x₀ − x₁‖ + ‖x₂ − x₁‖ − L`, and with the unit vectors m, n from the eyelet to the ends
+    ///
+    /// ```text
+    /// E = ½ k C²,   ∂E = k C g with g = (m, −m − n, n),   ∂²E = k g gᵀ + k C ∂²C
+    /// ∂²C = [P, −P, 0; −P, P + Q, −Q; 0, −Q, Q],   P = (I − m mᵀ)/‖x₀ − x₁‖,   Q = (I − n nᵀ)/‖x₂ − x₁‖
+    /// ```
+    ///
+    /// P and Q are positive semi-definite, and so is ∂²C: the sign of k C is that of all eigenvalues of `k C ∂²C`, and
+    /// what a [`Convexity`](cloth_core::element::Convexity) does to them it does to k C. `g gᵀ` is semi-definite as it
+    /// is. Where no such form is at hand, the eigenvalues of the `3N × 3N` matrix are to be found.
+    ///
+    /// ```
+    /// use cloth_massspring::Vec3;
+    /// use cloth_massspring::cloth_core::check::{gradient_error, hessian_error, smallest_eigenvalue};
+    /// use cloth_massspring::cloth_core::element::{Convexity, Element, Energy};
+    /// use cloth_massspring::cloth_core::math::{Blocks, Mat3};
+    ///
+    /// #[derive(Clone, Copy, Debug)]
+    /// struct Cord { vertices: [u32; 3], length: f64, stiffness: f64 }    // m, N/m
+    ///
+    /// /// Length (m) and unit vector from the eyelet to either end.
+    /// fn parts(x: &[Vec3; 3]) -> [(f64, Vec3); 2] {
+    ///     [x[0] - x[1], x[2] - x[1]].map(|d| (d.norm(), d.normalize()))
+    /// }
+    ///
+    /// impl Cord {
+    ///     /// `k C` (N).
+    ///     fn tension(&self, x: &[Vec3; 3]) -> f64 {
+    ///         let [(a, _), (b, _)] = parts(x);
+    ///         self.stiffness * (a + b - self.length)
+    ///     }
+    /// }
+    ///
+    /// impl Element<3> for Cord {
+    ///     fn vertices(&self) -> [u32; 3] {
+    ///         self.vertices
+    ///     }
+    /// }
+    ///
+    /// impl Energy<3> for Cord {
+    ///     fn value(&self, x: &[Vec3; 3]) -> f64 {
+    ///         0.5 * self.tension(x).powi(2) / self.stiffness
+    ///     }
+    ///
+    ///     fn gradient(&self, x: &[Vec3; 3]) -> [Vec3; 3] {
+    ///         let [(_, m), (_, n)] = parts(x);
+    ///         [m, -m - n, n].map(|g| g * self.tension(x))
+    ///     }
+    ///
+    ///     fn hessian(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
+    ///         let [(a, m), (b, n)] = parts(x);
+    ///         let tension = match convexity {
+    ///             Convexity::GaussNewton => 0.0,
+    ///             _ => convexity.applied_to(self.tension(x)),
+    ///         };
+    ///         let across = |n: Vec3, length: f64| (Mat3::identity() - n * n.transpose()) * (tension / length);
+    ///         let (p, q, zero) = (across(m, a), across(n, b), Mat3::zeros());
+    ///         let mut sum = [[p, -p, zero], [-p, p + q, -q], [zero, -q, q]];
+    ///         let g = [m, -m - n, n];
+    ///         for i in 0..3 {
+    ///             for j in 0..3 {
+    ///                 sum[i][j] += g[i] * g[j].transpose() * self.stiffness;
+    ///             }
+    ///         }
+    ///         sum
+    ///     }
+    /// }
+    ///
+    /// let cord = Cord { vertices: [0, 1, 2], length: 2.5, stiffness: 50.0 };
+    /// let x = [Vec3::new(1.0, 0.2, 0.1), Vec3::zeros(), Vec3::new(-0.9, 0.3, 0.4)];    // too short: k C < 0
+    /// assert!(gradient_error(&cord, &x, 1.0) < 1e-7 && hessian_error(&cord, &x, 1.0) < 1e-6);
+    /// assert!(smallest_eigenvalue(&cord, &x, Convexity::Exact) < -1.0);    // N/m
+    /// for convexity in [Convexity::Clamp, Convexity::Abs] {
+    ///     assert!(smallest_eigenvalue(&cord, &x, convexity) > -1e-9);
+    /// }
+    /// ```
+    ///
+    /// The same by its rows, for an element of one vertex:
+    ///
+    /// ```
+    /// use cloth_massspring::cloth_core::check::gradient_error;
+    /// use cloth_massspring::cloth_core::element::{Constraint, Element, Row};
+    /// use cloth_massspring::{ImplicitConfig, ImplicitEuler, Particles, State, StepInput, Stepper, Vec3};
+    ///
+    /// /// Pulls a vertex to a plane through the origin: `C = n·x` (m).
+    /// #[derive(Clone, Copy, Debug)]
+    /// struct NearPlane { vertex: u32, normal: Vec3, stiffness: f64 }
+    ///
+    /// impl Element<1> for NearPlane {
+    ///     fn vertices(&self) -> [u32; 1] {
+    ///         [self.vertex]
+    ///     }
+    /// }
+    ///
+    /// impl Constraint<1> for NearPlane {
+    ///     type Rows = [Row<1>; 1];
+    ///
+    ///     fn rows(&self, [x]: &[Vec3; 1]) -> [Row<1>; 1] {
+    ///         [Row { value: self.normal.dot(x), gradient: [self.normal], stiffness: self.stiffness }]
+    ///     }
+    /// }
+    ///
+    /// let plane = NearPlane { vertex: 0, normal: Vec3::y(), stiffness: 50.0 };
+    /// // First of all: gradients against finite differences.
+    /// assert!(gradient_error(&plane, &[Vec3::new(0.3, -0.2, 1.0)], 1.0) < 1e-9);
+    /// let particles = Particles::new(vec![0.5])?;
+    /// let mut solver = ImplicitEuler::builder(&particles)
+    ///     .energy(vec![plane])
+    ///     .config(ImplicitConfig { tolerance: 1e-12, ..ImplicitConfig::default() })
+    ///     .build()?;
+    /// let mut state = State::at_rest(vec![Vec3::new(0.3, 0.2, 0.0)]);
+    /// solver.step(&mut state, StepInput::new(0.1))?;
+    /// // Implicit Euler in closed form: y/(1 + k Δt²/m).
+    /// assert!((state.positions[0] - Vec3::new(0.3, 0.1, 0.0)).norm() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn energy<const N: usize, E: Energy<N>>(mut self, elements: Vec<E>) -> Self {
         self.energies = self.energies.and_then(|sum| sum.with(elements));

@@ -1,4 +1,17 @@
 //! Newton's method: the loop.
+//!
+//! 1. Done if `‖∇G‖ ≤ tolerance · ‖M(x − x̂)/s²‖` in the norm of M⁻¹, or if `‖∇G‖` is within rounding. Where
+//!    [`Accept::Minimum`] finds a saddle, it is left along a direction of negative curvature in place of 3.
+//! 2. The matrix A, factorised with as much of the exact Hessian as leaves it positive definite (`system`).
+//! 3. `p = −A⁻¹∇G`. An iterative solver that meets negative curvature goes back to 2, with less of the exact Hessian.
+//! 4. `x ← x + t p`, with t = 1 or the first shorter one that the line search accepts (`line_search`). If it accepts
+//!    none, that is the end where the gradient is at most 100 times the rounding error or the decrement of 5 is small
+//!    enough. Else the indefinite part is dropped as a whole, and 1 to 4 are repeated; if it was dropped already, the
+//!    step ends with [`StepError::LineSearchStalled`].
+//! 5. Done if the Newton decrement `√(−∇G·p)` before this step was at most `tolerance · ‖x − x̂‖_M/s` (a minimum that
+//!    is asked for is checked by 1). The step has been taken: where convergence is quadratic, x is better than that.
+//!
+//! After `max_iterations` the point so far is the result, with `Outcome::BudgetSpent`.
 
 use super::line_search;
 use super::minimizer::{Minimizer, STALL, Task};

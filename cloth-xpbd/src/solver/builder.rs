@@ -13,6 +13,58 @@ use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
 
 /// Collects particles, elements and settings of a [`XpbdSolver`].
+///
+/// # Elements
+/// Every implementor of [`Constraint`]. The elements of `cloth_core::energy`, with `A = ½ ‖(x₁ − x₀) × (x₂ − x₀)‖`, V
+/// the volume of a tetrahedron, and e_a a unit vector along x, y or z:
+///
+/// | element | C | ∂C/∂xᵢ | where ∂C has no value |
+/// |---|---|---|---|
+/// | `Spring` | `l − L`, `l = ‖x₀ − x₁‖` | n and −n, `n = (x₀ − x₁)/l` | l = 0: any n, by the vertex numbers |
+/// | `Attachment` | three: `x − p` | e_a | |
+/// | [`Joint`](crate::links::Joint), closed `Stitch` | three: `x₀ − x₁` | e_a and −e_a | |
+/// | `CurvatureHinge`, `MidpointHinge` | three: `z = Σ qᵢ xᵢ` | qᵢ e_a | |
+/// | `CurvedHinge` | `‖z‖ − r` | `qᵢ z/‖z‖` | z = 0: any direction, by the numbers |
+/// | `DihedralHinge` | `θ − θ₀` | below | a wing without area: C and ∂C are zero |
+/// | `StvkTriangle` | three strains, below | below | |
+/// | `ArapTriangle` | two: `σ − 1` | `u (v·bᵢ)` | σ = 0: any u at right angles to the other |
+/// | `AreaTriangle` | `A − A₀` | `½ n × oᵢ`, oᵢ the edge opposite to i | A = 0: any n across the line |
+/// | `VolumeTetrahedron` | `V − V₀` | `(x₂ − x₀) × (x₃ − x₀)/6` for x₁; by turns | |
+/// | `StrainLimitSpring`, `StrainLimitTriangle` | `l`, `σ` minus the nearest allowed | as without limits; inside 0 | |
+///
+/// **No 0/0.** No element divides by C, or by anything that vanishes at rest: C = 0 is a point like any other. The
+/// lengths that do vanish are those of the last column. Where a direction is missing one is chosen that is a limit of
+/// nearby ones, so that what has collapsed opens again. A row whose gradients are all zero has w̃ = 0 and moves
+/// nothing: a triangle shrunk to a point, a hinge without a wing. Nor does one between prescribed vertices; if it is
+/// soft, its λ becomes −C/α̃, h² times the force on them.
+///
+/// **St. Venant–Kirchhoff.** `F = Σ xᵢ bᵢᵀ` (3 × 2) maps rest to present, with constant bᵢ (1/m) that sum to zero: in a
+/// rest frame with `x₁ − x₀ = (a, 0)` and `x₂ − x₀ = (c, d)`, `b₁ = (1/a, −c/(a d))` and `b₂ = (0, 1/d)`. With f and g
+/// the columns of F, the Green strain in the eigenbasis of the plane-stress matrix is
+///
+/// ```text
+/// C₁ = (f·f + g·g − 2)/(2√2)    ∂C₁/∂xᵢ = (bᵢ₁ f + bᵢ₂ g)/√2    k = A₀ Y/(1 − ν)
+/// C₂ = (f·f − g·g)/(2√2)        ∂C₂/∂xᵢ = (bᵢ₁ f − bᵢ₂ g)/√2    k = A₀ Y/(1 + ν)
+/// C₃ = f·g/√2                   ∂C₃/∂xᵢ = (bᵢ₁ g + bᵢ₂ f)/√2    k = A₀ Y/(1 + ν)
+/// ```
+///
+/// polynomials, with a gradient at rest and under compression, where C₁ < 0. (The one row `C = √(2E)` has `∂C = ∂E/C`,
+/// which is 0/0 at rest.) The gradients shrink with f and g: pressed below 1/√3 of its length a triangle resists less
+/// and less. σ, u and v above are singular values and vectors of F. There is no neo-Hookean triangle.
+///
+/// **Quadratic hinge.** With θ₀ and θ₁ the rest angles of the first triangle at x₀ and x₁, θ₂ and θ₃ those of the
+/// second, `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −cot θ₀ − cot θ₁, −cot θ₂ − cot θ₃)`: constant, so nothing vanishes.
+///
+/// **Dihedral hinge** (of its law `Angle`). With `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e` and
+/// `tᵢ = (xᵢ − x₀)·e/‖e‖²`,
+///
+/// ```text
+/// θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)         ∂θ/∂xᵢ = −‖e‖ nᵢ/‖nᵢ‖²   for the tips, i = 2, 3
+/// ∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃            ∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃
+/// ```
+///
+/// Flat, θ = 0, is regular. (`arccos(n₂·n₃)` of unit normals, as in Müller et al. 2007, has there the slope
+/// `−1/√(1 − (n₂·n₃)²)`, which is infinite.) `θ − θ₀` is taken the short way round.
 #[derive(Debug)]
 pub struct XpbdBuilder {
     motion: Motion,
