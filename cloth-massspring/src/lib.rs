@@ -323,7 +323,8 @@
 //!   conjugate gradients around the cycle, to a tenth of the residual, on a Hessian taken anew
 //!   (`implicit/truncated_newton.rs`).
 //! - *Vertex by vertex.* One step length for all lets a single nearly closed pair stop the whole cloth. Where less than
-//!   a hundredth of a direction is free, each vertex follows it as far as it alone can, if that leads down.
+//!   a hundredth of a direction is free, each vertex follows it as far as it alone can, if that leads down; of less than
+//!   a tenth otherwise half, since a path that bends into a pair loses its gap with the square of the length.
 //!
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.

@@ -327,9 +327,11 @@ fn a_ball_that_lands_by_projective_dynamics_is_not_torn_by_its_start() {
 
 /// A sheet whose corners are pulled snaps taut over a capsule. One pair is nearly closed and has nearly all of the
 /// gradient; a linear solve to a tenth of that leaves all other forces, so its direction says nothing of the end. Taken
-/// for it, the step ended with 10⁵ N on the capsule and 38 times the energy that was given.
+/// for it, the step ended with 10⁵ N on the capsule and 38 times the energy that was given. The sheet slides past the
+/// pair, whose gap a path then loses with its square: followed as far as it is free, it comes back to 10⁻¹¹ m again and
+/// again, and 4000 iterations are not enough.
 #[test]
-fn a_nearly_closed_pair_does_not_end_an_implicit_step() {
+fn a_nearly_closed_pair_neither_ends_nor_holds_an_implicit_step() {
     let scene = written(
         "snaps",
         "dt = 0.01666667\n[[mesh]]\ngenerator = \"grid:17x17:alternating\"\ntranslate = [-0.4643, -0.5, 0.55]\n\
@@ -344,7 +346,6 @@ fn a_nearly_closed_pair_does_not_end_an_implicit_step() {
         scene.display()
     ));
     assert_eq!(code, 0, "{said}");
-    let [excess, given] =
-        ["energy_excess", "energy_given"].map(|key| object[key].as_f64().unwrap());
-    assert!(excess < given, "{excess} of {given} J");
+    assert_eq!(object["unfinished_steps"], 0, "{object}");
+    assert_eq!(object["energy_excess"], 0.0, "{object}");
 }

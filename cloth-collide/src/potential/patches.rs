@@ -39,7 +39,7 @@ const LEAST_ROOM: Real = 0.5;
 /// Room of a search, in paths of the substep that needs it.
 const HOLD: Real = 60.0;
 /// Room (in mean edges) of a search, at most, unless one substep needs more.
-const MOST_ROOM: Real = 0.25;
+const MOST_ROOM: Real = 0.5;
 /// Path (in mean edges) that a patch may go until pairs of patches are searched anew, at least; and in one substep, at
 /// most.
 const REACH: Real = 1.0;

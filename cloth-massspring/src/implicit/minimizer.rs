@@ -41,6 +41,10 @@ const MOST_LINEARIZATIONS: u32 = 8;
 
 /// Fraction of a direction below which one step length for all vertices is given up for one each.
 const STALLED: Real = 0.01;
+/// Fraction of a direction below which only half of what contact leaves of it is followed. A path that turns into a pair
+/// does so with its square: followed to the end of what is free it leaves a quarter of the gap, as far as Newton's
+/// method opens it again in two iterations, so that steps stay as short; half of it leaves four fifths.
+const NARROW: Real = 0.1;
 /// Factor on the trust radius after a step to its end that has not been shortened.
 const RADIUS_GROWTH: Real = 4.0;
 
@@ -389,6 +393,11 @@ impl Minimizer {
                 std::mem::swap(&mut self.current, &mut self.next);
                 continue;
             }
+            let most = if most < NARROW * part {
+                0.5 * most
+            } else {
+                most
+            };
             let stage = with(task, contact);
             let (from, to) = (&self.current, &mut self.next);
             let found = line_search::search(&stage, from, &self.direction, slope, most, to);

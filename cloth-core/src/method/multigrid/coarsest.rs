@@ -1,7 +1,8 @@
 //! The coarsest level: a dense Cholesky factorisation.
 
+use super::blocks::{Lanes, lanes, vector};
 use super::level::Level;
-use crate::math::Real;
+use crate::math::{Real, Vec3};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// The factor, and where the level's free vertices stand in it.
@@ -61,23 +62,20 @@ impl Coarsest {
     /// Solves with the last factor, or gives no correction without one.
     pub(super) fn solve(&mut self, level: &mut Level) {
         let Some(factor) = &self.factor else {
-            return level.solution.fill([0.0; 4]);
+            return level.solution.fill(Lanes::ZERO);
         };
-        for (vertex, r) in level.right_hand_side.iter().enumerate() {
-            for axis in 0..3 {
-                let entry = if level.is_free()[vertex] {
-                    r[axis]
-                } else {
-                    0.0
-                };
-                self.right_hand_side[3 * vertex + axis] = Real::from(entry);
-            }
+        let (rows, _) = self.right_hand_side.as_mut_slice().as_chunks_mut::<3>();
+        for ((row, r), is_free) in rows
+            .iter_mut()
+            .zip(&level.right_hand_side)
+            .zip(level.is_free())
+        {
+            *row = if *is_free { vector(r) } else { Vec3::zeros() }.into();
         }
         factor.solve_mut(&mut self.right_hand_side);
-        for (vertex, x) in level.solution.iter_mut().enumerate() {
-            for axis in 0..3 {
-                x[axis] = self.right_hand_side[3 * vertex + axis] as f32;
-            }
+        let (rows, _) = self.right_hand_side.as_slice().as_chunks::<3>();
+        for (row, x) in rows.iter().zip(&mut level.solution) {
+            *x = lanes(&Vec3::from(*row));
         }
     }
 }

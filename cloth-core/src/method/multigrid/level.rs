@@ -6,7 +6,7 @@
 //! 2011, <https://doi.org/10.1137/100798806>). A forward sweep before the coarse correction and a backward one after it
 //! make the cycle symmetric.
 
-use super::blocks::{Block, Lanes, lanes, minus, plus, vector};
+use super::blocks::{Block, Lanes, lanes, plus, vector};
 use super::prolongation::Prolongation;
 use super::rank_one::RankOne;
 use crate::math::{Mat3, Vec3};
@@ -51,9 +51,9 @@ impl Level {
         Self {
             blocks: vec![Block::ZERO; pattern.block_count()],
             inverse: vec![Block::ZERO; count],
-            right_hand_side: vec![[0.0; 4]; count],
-            solution: vec![[0.0; 4]; count],
-            residual: vec![[0.0; 4]; count],
+            right_hand_side: vec![Lanes::ZERO; count],
+            solution: vec![Lanes::ZERO; count],
+            residual: vec![Lanes::ZERO; count],
             between,
             is_free,
             is_symmetric: false,
@@ -143,7 +143,10 @@ impl Level {
         let mut residual = std::mem::take(&mut self.residual);
         let (x, t) = (&mut solution[..], &mut residual[..]);
         if !self.rank_one.is_empty() {
-            self.sweep_with_rank_one::<false>(x, t);
+            match self.is_symmetric {
+                true => self.sweep_with_rank_one::<false, true>(x, t),
+                false => self.sweep_with_rank_one::<false, false>(x, t),
+            }
             self.couple(&solution, &mut residual);
             (self.solution, self.residual) = (solution, residual);
             return;
@@ -165,7 +168,10 @@ impl Level {
         self.couple(&solution, &mut residual);
         let (x, t) = (&mut solution[..], &mut residual[..]);
         if !self.rank_one.is_empty() {
-            self.sweep_with_rank_one::<true>(x, t);
+            match self.is_symmetric {
+                true => self.sweep_with_rank_one::<true, true>(x, t),
+                false => self.sweep_with_rank_one::<true, false>(x, t),
+            }
             (self.solution, self.residual) = (solution, residual);
             return;
         }
@@ -181,11 +187,8 @@ impl Level {
         for &(row, slot) in &self.between {
             let (row, column) = (row as usize, self.pattern.columns()[slot as usize] as usize);
             let block = &self.blocks[slot as usize];
-            residual[row] = minus(residual[row], block.times(&solution[column]));
-            residual[column] = minus(
-                residual[column],
-                block.transposed_times::<false>(&solution[row]),
-            );
+            residual[row] -= block.times(&solution[column]);
+            residual[column] -= block.transposed_times::<false>(&solution[row]);
         }
     }
 
@@ -218,7 +221,11 @@ impl Level {
     }
 
     /// The same with what is added to the matrix, one chunk after another.
-    fn sweep_with_rank_one<const BACK: bool>(&mut self, x: &mut [Lanes], t: &mut [Lanes]) {
+    fn sweep_with_rank_one<const BACK: bool, const SYMMETRIC: bool>(
+        &mut self,
+        x: &mut [Lanes],
+        t: &mut [Lanes],
+    ) {
         let mut added = std::mem::take(&mut self.rank_one);
         added.start(BACK.then_some(&*x));
         let chunks = x.len().div_ceil(ROWS);
@@ -232,7 +239,7 @@ impl Level {
                     let count = end - start;
                     for step in 0..count {
                         let row = if BACK { count - 1 - step } else { step };
-                        self.relax::<BACK, false>(start, row, x, t, Some(&mut added));
+                        self.relax::<BACK, SYMMETRIC>(start, row, x, t, Some(&mut added));
                     }
                 }
             },
@@ -258,11 +265,11 @@ impl Level {
         let mut rest = t[row];
         if !BACK {
             rest = self.right_hand_side[start + row];
-            t[row] = [0.0; 4];
+            t[row] = Lanes::ZERO;
         }
         if !self.is_free[start + row] {
             if !BACK {
-                x[row] = [0.0; 4];
+                x[row] = Lanes::ZERO;
             }
             return;
         }
@@ -271,7 +278,7 @@ impl Level {
         let (columns, blocks) = (&self.pattern.columns()[slots.clone()], &self.blocks[slots]);
         for (&column, block) in columns.iter().zip(blocks) {
             if let Some(other) = x.get((column as usize).wrapping_sub(start)) {
-                rest = minus(rest, block.times(other));
+                rest -= block.times(other);
             }
         }
         if let Some(added) = &mut added {
@@ -285,13 +292,13 @@ impl Level {
         if let Some(added) = added {
             added.moved(start + row, &own, 1.0);
             if !BACK {
-                let known = added.without(start + row, [0.0; 4]);
-                t[row] = minus(t[row], known);
+                let known = added.without(start + row, Lanes::ZERO);
+                t[row] -= known;
             }
         }
         for (&column, block) in columns.iter().zip(blocks) {
             if let Some(t) = t.get_mut((column as usize).wrapping_sub(start)) {
-                *t = minus(*t, block.transposed_times::<SYMMETRIC>(&own));
+                *t -= block.transposed_times::<SYMMETRIC>(&own);
             }
         }
     }
@@ -304,7 +311,7 @@ impl Level {
             #[inline(always)]
             |start, coarse: &mut [Lanes]| {
                 for (vertex, out) in (start..).zip(coarse) {
-                    let mut sum = [0.0; 4];
+                    let mut sum = Lanes::ZERO;
                     for &(from, weight) in prolongation.of_coarse(vertex) {
                         sum = plus(sum, weight as f32, &fine[from as usize]);
                     }

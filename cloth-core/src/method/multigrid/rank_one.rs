@@ -4,7 +4,7 @@
 //! `Pᵀw`. Nothing is assembled and no pattern changes. Relaxation keeps the product `s = J·x` of each up to date as
 //! vertices move, as position-based methods do with their constraints.
 
-use super::blocks::{Lanes, plus, vector};
+use super::blocks::{Lanes, lanes, plus, vector};
 use super::prolongation::Prolongation;
 use crate::contact::ContactRow;
 use crate::math::{Mat3, Real};
@@ -45,7 +45,7 @@ impl RankOne {
                     self.members.push((vertex, weight));
                 }
             }
-            self.close([n.x as f32, n.y as f32, n.z as f32, 0.0]);
+            self.close(lanes(&n));
         }
         self.index(is_free.len());
     }
@@ -106,13 +106,13 @@ impl RankOne {
             self.offsets[vertex + 1] += self.offsets[vertex];
         }
         self.entries.clear();
-        self.entries.resize(self.members.len(), (0, [0.0; 4]));
+        self.entries.resize(self.members.len(), (0, Lanes::ZERO));
         for number in 0..self.normals.len() {
             for member in self.starts[number] as usize..self.starts[number + 1] as usize {
                 let (vertex, weight) = self.members[member];
                 // Used as the next free place; put back below.
                 let place = &mut self.offsets[vertex as usize];
-                let jacobian = plus([0.0; 4], weight as f32, &self.normals[number]);
+                let jacobian = plus(Lanes::ZERO, weight as f32, &self.normals[number]);
                 self.entries[*place as usize] = (number as u32, jacobian);
                 *place += 1;
             }
@@ -167,8 +167,9 @@ impl RankOne {
     #[inline(always)]
     pub(super) fn moved(&mut self, vertex: usize, way: &Lanes, times: f32) {
         let places = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;
+        let way = way.to_array();
         for (number, jacobian) in &self.entries[places] {
-            let j = jacobian;
+            let j = jacobian.to_array();
             let along = j[0] * way[0] + j[1] * way[1] + j[2] * way[2];
             self.sums[*number as usize] += times * along;
         }
