@@ -62,17 +62,27 @@ pub struct ImplicitConfig {
     /// stiff where elements are compressed, so that its true error can be above the estimate; on the hanging sheet it
     /// is below three times the tolerance from 10⁻² to 10⁻⁶ (`the_change_of_velocity_is_right_to_the_tolerance`).
     ///
-    /// A norm of the gradient itself would weigh stiff directions by their stiffness; and compared with that at `x̂`,
-    /// which stretches stiff cloth far, any place would pass at 10⁶ N/m and 0.1 s. The change that the decrement is
-    /// compared with counts as `10⁻³ √(2 (G_start − G))` at least, a thousandth of the velocity that the energy
-    /// released since the start would make: cloth crushed to a point need not be exact to a fraction of the little that
-    /// is left.
+    /// A test by a norm of `∇G` itself would be worse in two ways. It would weigh stiff directions by their stiffness.
+    /// And it needs something to be compared with: `‖∇G(x̂)‖`, at the end of free flight, is too large for that, as
+    /// free flight stretches stiff cloth far. From rest it goes Δt² g, 0.1 m in 0.1 s; a spring of 10⁶ N/m that hangs
+    /// from a pin is then stretched by 0.1 m and pulls with 10⁵ N. A thousandth of that, 100 N, is 50 times the weight
+    /// of a sheet of 1 m² and 0.2 kg/m², so a place where nothing is in balance yet would pass.
+    ///
+    /// The change that the decrement is compared with counts as `10⁻³ √(2 (G_start − G))` at least, a thousandth of the
+    /// velocity that the energy released since the start would make: cloth crushed to a point need not be exact to a
+    /// fraction of the little that is left.
     pub tolerance: Real,
     /// Which second derivative Newton's method uses.
     pub hessian: HessianPolicy,
     /// How the linear systems of Newton's method are solved. An iterative solver needs no factor, which is the larger
     /// part of time and memory on large sheets; its tolerance is also how much of the gradient a Newton step leaves
     /// behind.
+    ///
+    /// The default is `LinearMethod::default()`: Cholesky with the feature `cholesky`, without it multigrid with
+    /// `StoppingCriteria::default()`. Those are a residual `‖b − A x‖/‖b‖` of 10⁻³ (dimensionless), or 1000 iterations;
+    /// any iterative solver takes criteria of your own, as `LinearMethod::ConjugateGradients(criteria)`. After the last
+    /// iteration the direction so far is taken. [`ImplicitConfig::linearized`] takes multigrid to 10⁻⁸. The
+    /// quasi-Newton method solves no such system: this setting matters to it where Newton's method takes over.
     pub linear: LinearMethod,
     /// Where the minimisation starts.
     pub start: StartGuess,
@@ -175,6 +185,19 @@ impl ImplicitConfig {
     /// <https://doi.org/10.1145/280814.280821>); the indefinite part of compressed springs is dropped (compare Choi and
     /// Ko 2002), and the system is solved by conjugate gradients around multigrid to 10⁻⁸ (theirs: modified conjugate
     /// gradients).
+    ///
+    /// To 10⁻⁸ the step follows that by Cholesky to a micrometre in 20 steps (to 10⁻³: 6 mm), and shifts components
+    /// that nothing holds to the momentum of the exact solution. Milliseconds of a step:
+    ///
+    /// | vertices a side (Zen 4, one thread, least of the steps) | Cholesky | multigrid to 10⁻³ | 10⁻⁶ | 10⁻⁸ |
+    /// |---|---|---|---|---|
+    /// | 64 | 20 | 4.5 | 7.1 | 8.3 |
+    /// | 128 | 166 | 22 | 40 | 58 |
+    /// | 256 | 1941 | 218 | 332 | 620 |
+    ///
+    /// Conjugate gradients without multigrid (to 10⁻³) win against Cholesky where the matrix is well-conditioned. At
+    /// 128 vertices a side a step takes 266 ms against 165 ms at 10⁴ N/m and 1/60 s, but 106 against 176 at 10² N/m,
+    /// and 14 against 168 at 10⁴ N/m and 1 ms.
     #[must_use]
     pub fn linearized() -> Self {
         Self {

@@ -96,6 +96,27 @@ use stage::Stage;
 /// ([`Particles::rest_positions`](cloth_core::particles::Particles::rest_positions)), else by the positions it starts
 /// from; the memory that Newton's method needs is taken when it is first called.
 ///
+/// # Force at a pin
+/// The elastic force with which the cloth pulls at a pin is `−∂E/∂x` at the end of the step. A mass on a spring, at
+/// rest after one very long step, pulls with its weight:
+///
+/// ```
+/// use cloth_massspring::cloth_core::method::family::Energies;
+/// use cloth_massspring::{ImplicitConfig, ImplicitEuler, Particles, Spring, State, StepInput, Stepper, Vec3};
+///
+/// let spring = Spring { vertices: [0, 1], rest_length: 1.0, stiffness: 500.0 };
+/// let mut particles = Particles::new(vec![1.0, 2.0])?;             // kg
+/// particles.prescribe(0)?;
+/// let config = ImplicitConfig { tolerance: 0.0, ..ImplicitConfig::default() };
+/// let mut solver = ImplicitEuler::builder(&particles).energy(vec![spring]).config(config).build()?;
+/// let mut state = State::at_rest(vec![Vec3::zeros(), -Vec3::z()]);
+/// solver.step(&mut state, StepInput::new(1e6).gravity(Vec3::new(0.0, 0.0, -9.81)))?;
+/// let mut gradient = vec![Vec3::zeros(); 2];
+/// Energies::new(2).with(vec![spring])?.add_gradient(&state.positions, &mut gradient);
+/// assert!((-gradient[0].z / (-2.0 * 9.81) - 1.0).abs() < 1e-6);    // N
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors of a step
 /// [`StepError::LineSearchStalled`] where no lower point is found though the gradient is more than a hundred times what
 /// rounding explains; [`StepError::NotPositiveDefinite`] under [`HessianPolicy::Always`](crate::HessianPolicy::Always)

@@ -73,24 +73,27 @@ impl Default for HierarchyConfig {
 /// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents they
 ///   are. The length of a link is the geodesic distance over the cloth at rest
 ///   ([`Geodesics`](cloth_core::method::multigrid::Geodesics)), so no folding, bending or unrolling without stretch
-///   makes one longer, as with [long-range attachments](crate#long-range-attachments). A link that is not too long does
-///   nothing, so zero-energy configurations of the cloth are those of every level: a coarse level does not resist
-///   bending. A link in two directions, as a rod, would.
-/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. A
-///   link does not become shorter by the corrections of others: below its length at the start it pushes back. (Müller's
-///   links only pull. Each that is shortened lengthens or shortens its neighbours; those that have become too short are
-///   left so, and a hanging sheet narrows.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, a vertex that was kept
-///   with weight 1 on itself. The mass of a coarse vertex is `Σᵢ Pᵢⱼ mᵢ`, `Pᵀm`, so `Σᵢ mᵢ Δxᵢ = Σⱼ (Pᵀm)ⱼ Δxⱼ`: as
-///   projections of free vertices leave the right side zero, `Σ m x` does not change.
+///   makes one longer, as with [long-range attachments](crate#long-range-attachments). Where no link is too long,
+///   however short some are, no link does anything, so zero-energy configurations of the cloth are those of every
+///   level: a coarse level does not resist bending. Links that kept their length in both directions, as rods, would.
+/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. Each
+///   then has one of three states. Longer than L at rest, it pulls. Shorter than when the sweeps of its level began
+///   (than L, if it was longer), because others were corrected, it pushes back to that length and no further. Between
+///   the two its multiplier is zero: a link that was short before may stay so. (Müller's links only pull. Each that is
+///   shortened lengthens or shortens its neighbours; those that have become too short are left so, and a hanging sheet
+///   narrows.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, a vertex that was kept with weight 1 on itself. The
+///   mass of a coarse vertex is `Σᵢ Pᵢⱼ mᵢ`, `Pᵀm`, so `Σᵢ mᵢ Δxᵢ = Σⱼ (Pᵀm)ⱼ Δxⱼ`: as projections of free vertices
+///   leave the right side zero, `Σ m x` does not change.
 ///
 /// What it saves: the table of [acceleration](crate#acceleration). What it costs: each level about as many visits of
 /// links, in its sweeps, as [`HierarchyConfig::sweeps`] sweeps over the first, plus one sweep to store lengths.
 ///
 /// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth becomes
 /// stiffer. Angular momentum is not conserved by the prolongation. Only stretching is corrected: no level acts against
-/// compression or bending, and a fold between two coarse vertices is invisible to theirs. What the finer level gets is
-/// smooth between parents, so the correction may bend or stretch single fine links, which only sweeps after it repair.
-/// Levels, lengths and weights come from the mesh at rest and the vertices prescribed when it is built; pins may move.
+/// bending, or against compression that it found, and a fold between two coarse vertices is invisible to theirs. What
+/// the finer level gets is smooth between parents, so the correction may bend or stretch single fine links, which only
+/// sweeps after it repair. Levels, lengths and weights come from the mesh at rest and the vertices prescribed when it
+/// is built; pins may move.
 #[derive(Debug)]
 pub struct Hierarchy {
     vertex_count: usize,

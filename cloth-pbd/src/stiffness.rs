@@ -117,6 +117,8 @@ impl ConstraintUpdate for Projection {
         cached.lambda = 0.0;
     }
 
+    /// A [`RowEquation`] says `(w̃ + scaled_compliance) Δλ = −residual`. With the residual s C and no compliance that
+    /// is `Δλ = −s C/w̃`: the sign is in the equation, and s, not a compliance, makes a row soft.
     #[inline(always)]
     fn equation(&self, row: RowState, cached: &mut CachedScale) -> RowEquation {
         let s = match self.stiffness {

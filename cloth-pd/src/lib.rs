@@ -62,11 +62,12 @@
 //! x, y and z alike and has a row per vertex and not three; it is factorised once, and an iteration costs the
 //! projections and one solve with the factor.
 //!
-//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring; rest area times
-//! the membrane modulus Y (N/m) for a triangle, so N m, as F has no dimension; D (N m) over an area, so N/m, for a
-//! hinge. It says what the step converges to, the same minimum that Newton's method finds; the number of iterations
-//! only says how near. The triangle stores ½ Y ‖F − U Vᵀ‖² per area: Lamé parameters μ = Y/2 and λ = 0, so modulus Y
-//! and a Poisson's ratio of 0. Equal springs on the alternating grid have Y = 4k/3 and a ratio of 1/3.
+//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring, a stitch and an
+//! attachment, where z is a length; rest area times the membrane modulus Y (N/m) for a triangle, so N m, as F has no
+//! dimension; D (N m) over an area, so N/m, for a hinge. It says what the step converges to, the same minimum that
+//! Newton's method finds; the number of iterations only says how near. The triangle stores ½ Y ‖F − U Vᵀ‖² per area:
+//! Lamé parameters μ = Y/2 and λ = 0, so modulus Y and a Poisson's ratio of 0. Equal springs on the alternating grid
+//! have Y = 4k/3 and a ratio of 1/3.
 //!
 //! | element | z = S x | its nearest p | w |
 //! |---|---|---|---|
@@ -79,11 +80,9 @@
 //! | stitch ([`Stitch`](cloth_core::energy::Stitch)) | x₀ − x₁ | L(t) z/‖z‖ | k |
 //! | attachment ([`Attachment`](cloth_core::energy::Attachment)) | x | its target | k |
 //!
-//! Why U clamp(Σ) Vᵀ is nearest: ‖F − P‖² = ‖F‖² − 2 F:P + ‖P‖², and F:P ≤ Σ σᵢ(F) σᵢ(P) (von Neumann), with equality
-//! for P with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F is 3 × 2, so
-//! there are no reflections to exclude. p is unique and continuous in z where z ≠ 0 (spring, curved hinge) and where F
-//! has rank 2 (triangle). Elsewhere it jumps, unless the least length is 0, and any of the nearest p will do: E itself
-//! is continuous, and the bound below holds for each of them. `local.rs` has the singular values in closed form, with
+//! p is unique and continuous in z where z ≠ 0 (spring, curved hinge) and where F has rank 2 (triangle). Elsewhere it
+//! jumps, unless the least length is 0, and any of the nearest p will do: E itself is continuous, and the bound below
+//! holds for each of them. `local.rs` has why U clamp(Σ) Vᵀ is nearest, and the singular values in closed form, with
 //! degenerate and inverted triangles. The bᵢ (1/m) are the gradients of the linear hat functions at rest.
 //!
 //! The qᵢ of a hinge are cotangent weights at rest, so that ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its
@@ -101,16 +100,19 @@
 //! `∇E = Σ w Sᵀ(S x − p)`,  `∇²E = Σ w Sᵀ(I − ∂p/∂z) S`.
 //!
 //! A has I in the place of I − ∂p/∂z. Less `A x` on both sides the global step is `A (x⁺ − x) = −∇G(x)`: Newton's
-//! method with A for the Hessian and steps of length 1 (Liu et al. 2017). A is never below the Hessian, as ∂p/∂z is
-//! never negative: p is the gradient of the largest of the linear functions `p·z − ½ ‖p‖²` of the set, convex in z.
+//! method with A for the Hessian and steps of length 1 (Liu et al. 2017). A is never below the Hessian, as ∂p/∂z has
+//! no negative eigenvalue. Proof: `½ ‖z − p‖² = ½ ‖z‖² − (p·z − ½ ‖p‖²)`, so the nearest p is the one in the set for
+//! which `p·z − ½ ‖p‖²` is largest. For a fixed p that is linear in z, and the largest of linear functions is convex:
+//! call it φ(z). Its gradient is the p that makes it largest, so ∂p/∂z = ∇²φ, the Hessian of a convex function.
 //!
 //! # What the constant matrix loses, and how it is won back
 //! A is as stiff across a spring as along it, but a spring resists only along. Near the minimum an iteration turns the
 //! error e into `e⁺ = (I − A⁻¹ ∇²G) e`. Motions that turn springs without stretching them, as falling and folding do,
-//! have little more than `M/Δt²` in ∇²G, so it keeps `κ/(m/Δt² + κ)` of them, κ their stiffness in `Σ w SᵀS`. On the
-//! alternating grid of spacing h a wave of wave number s has `κ ≈ 2 k (s h)²` a vertex, and `m = ρ h²` for an areal
-//! density ρ: `κ Δt²/m = 2 k s² Δt²/ρ` does not depend on h. For the sheet below the factor is 0.9991 for a wave of 1 m
-//! and 0.9995 for one of 0.74 m. Truncated early, the sheet falls too slowly. Three accelerations use the same matrix:
+//! have little more than `m/Δt²` a vertex in ∇²G, but `m/Δt² + κ` in A, κ their stiffness in `Σ w SᵀS`. Of an error of
+//! that kind an iteration therefore leaves the fraction `1 − (m/Δt²)/(m/Δt² + κ) = κ/(m/Δt² + κ)`. On the alternating
+//! grid of spacing h a wave of wave number s has `κ ≈ 2 k (s h)²` a vertex, and `m = ρ h²` for an areal density ρ:
+//! `κ Δt²/m = 2 k s² Δt²/ρ` does not depend on h. For the sheet below the factor is 0.9991 for a wave of 1 m and 0.9995
+//! for one of 0.74 m. Truncated early, the sheet falls too slowly. Three accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
 //!   spectral radius ρ of the plain iteration. We keep `G` in view: where it would not fall, the plain iterate is taken
@@ -140,10 +142,8 @@
 //! | quasi-Newton | 0.440 | 2.59 |
 //! | quasi-Newton with a coarse grid of 12 cells | 0.4986 | 2.40 |
 //!
-//! Truncation looks like damping (the fall) and, without the grid, like softness (the stretch) at once.
-//!
-//! Once the smooth part of the error is gone the grid helps no more: the last digits take as many iterations with it as
-//! without, or more.
+//! Truncation looks like damping (the fall) and, without the grid, like softness (the stretch) at once. Once the smooth
+//! part of the error is gone the grid helps no more: the last digits take as many iterations as without it, or more.
 //!
 //! # Equations
 //! ```text
@@ -159,9 +159,8 @@
 //! The global step is often printed for x itself; for the displacement q (not the qᵢ of a hinge) it is the same
 //! equation. Neither positions nor predictions are subtracted, so free fall loses no digits, and a step so long that
 //! `M/Δt²` is rounded away ends where the held cloth is at rest. A prescribed vertex has q = u from the start, and no
-//! row and column in A (in the code those of the identity, so that a release does not change the pattern).
-//!
-//! `Σ w SᵀS` is positive semi-definite for weights ≥ 0, and M makes A positive definite.
+//! row and column in A (in the code those of the identity, so that a release does not change the pattern). `Σ w SᵀS` is
+//! positive semi-definite for weights ≥ 0, and M makes A positive definite.
 //!
 //! | equation | where |
 //! |---|---|
@@ -189,7 +188,7 @@
 //!
 //! # Iterations
 //! The sixteenth step of that sheet, from x̃, until `(G − G*)/(G(x̃) − G*)` is below an error
-//! (`cloth-bench study projective`):
+//! (`cargo run --release -p cloth-bench -- study projective`; all of that up to `--` is meant by `cloth-bench` below):
 //!
 //! | vertices a side | | to 10⁻² | to 10⁻⁴ | to 10⁻⁶ |
 //! |---|---|---|---|---|
@@ -242,14 +241,8 @@
 //! elimination tree, which threads can solve side by side. All loops are compiled for wide registers too
 //! ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
 //!
-//! What does not make an iteration faster (AMD EPYC, Zen 4, one thread): the factor in single precision, by which the
-//! iteration converges as well; a number has to be widened before it is used, and a solve takes 83 µs instead of 63 at
-//! 64 a side, 480 instead of 360 at 128, 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes
-//! 5.7 and 8.3 times as long). More than two sums side by side in the products with the bending matrix: with two,
-//! additions hardly wait for each other.
-//!
 //! Why a solve of our own and not the library's: memory decides its time, and [`PanelFactor`] reads the factor as one
-//! stream, twice for x, y and z together and not twice for each.
+//! stream, twice for x, y and z together and not twice for each. Single precision makes it slower (`panel.rs`).
 //!
 //! # Contact
 //! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
@@ -277,7 +270,7 @@
 //!   factor of A, of which three to six are enough, without a matrix of its own; the volume of a closed piece
 //!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one row on all its vertices, is among them. In the
 //!   fourteenth step of a sheet that falls on a ball (below), 30 iterations lower `G` by 0.28 J with contact in the
-//!   solve, by 0.11 J without.
+//!   solve, by 0.11 J without (commit 5d9754e).
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
 //!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
@@ -290,7 +283,7 @@
 //!   displacement of the step without elasticity; an iteration that is cut below half of what was tried shrinks it to
 //!   twice what it came to, one that only the radius has cut doubles it. Without it, a handkerchief on the corner of a
 //!   table (`cloth-bench/scenes/handkerchief.toml`) gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J
-//!   that it was given, and a step took seven times as long; with it, nothing beyond those.
+//!   that it was given, and a step took seven times as long; with it, nothing beyond those (commit 9374ec2).
 //! - **A step goes on until it is near enough**, as it does without contact, and more so because an impact changes the
 //!   problem while it is solved: up to [`PdConfig::most_iterations`], with twenty pairs in every step that is given
 //!   contacts, until what the iteration still has to move is a tenth of what forces have moved
@@ -334,6 +327,10 @@
 //! - **Degenerate elements are no error.** A spring whose ends coincide projects to a direction that its vertex numbers
 //!   give, so a cloth collapsed to a point unfolds; a triangle collapsed to a line or a point has singular vectors
 //!   chosen for it. A triangle without rest area has no weight, and is left out.
+//! - **A hinge needs two rest areas.** [`TriMesh`](cloth_core::mesh::TriMesh) refuses an area of at most 10⁻¹² of the
+//!   square of the longest edge (`ZeroArea`), so the hinges of a mesh have them. One made by hand whose A₀ + A₁ is 0
+//!   has no finite weight: `OutOfRange` when building. With one area of 0 the weight is finite, but some qᵢ are not,
+//!   which the first step finds: `NotPositiveDefinite`, or `NonFinite` if all such qᵢ are at prescribed vertices.
 //! - **Cloth that no pin holds is no error**, nor is a part of it: it falls, with its momentum kept (`components.rs`).
 //! - **No convergence is no error.** Without a tolerance the outcome is
 //!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where `velocity_tolerance` or a failed line search
@@ -427,10 +424,10 @@
 //!   hanging sheet closely; over five seconds its swinging dies away sooner than it should, and a sheet of 0.3 m, light
 //!   and stiff (0.1 kg/m², 4.8·10⁴ N/m, 1/120 s), falls by half of what it should. So the default goes on, from ten to
 //!   300 iterations, until its Newton decrement is a twentieth of the change of velocity
-//!   ([`PdConfig::velocity_tolerance`]): with 64 vertices a side, after 300 steps, it has 19 % less kinetic energy than
-//!   implicit Euler, 6 % more stretch and 2.9 times the elastic energy, for 1.5 times the time of ten iterations.
-//!   Numbers of iterations instead; means over the last 100 of 300 steps, relative to converged implicit Euler, at 64 a
-//!   side (`cloth-bench study projective`, which has the same for 32):
+//!   ([`PdConfig::velocity_tolerance`]): with 12 cells, at 64 vertices a side, after 300 steps, it has 19 % less
+//!   kinetic energy than implicit Euler, 6 % more stretch and 2.9 times the elastic energy, for 1.5 times the time of
+//!   ten iterations. Numbers of iterations instead; means over the last 100 of 300 steps, relative to converged
+//!   implicit Euler, at 64 a side (`cloth-bench study projective`, which has the same for 32):
 //!
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
@@ -456,13 +453,14 @@
 //!   `G` has a narrow, curved valley along which the cloth bends; `quasi_newton.rs` has what was tried in vain.
 //! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after
 //!   half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
-//! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])`: one that ends above
-//!   is taken again, which the hanging sheet never needs. In energies, where no pin moves, this says that the potential
-//!   energy after the step and the kinetic energy `½ ‖v[1] − v[0]‖²_M` of the *change* of velocity are together at most
-//!   the whole energy before. It bounds the energy of a tangle, not the kinetic energy; the exact minimum bounds that
-//!   too, where E is convex. Plain and Chebyshev iterations from there, and all from x̃, have no such guard; ended
-//!   early they can feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a
-//!   point, on a line, mirrored, random, blown up), forces balanced.
+//! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])` where no pin or body
+//!   moves: one that ends above is taken again, which the hanging sheet never needs. In energies this says that the
+//!   potential energy after the step and the kinetic energy `½ ‖v[1] − v[0]‖²_M` of the *change* of velocity are
+//!   together at most the whole energy before, so a tangle cannot store more. The kinetic energy `½ ‖v[1]‖²_M` is not
+//!   in that sum. Where E is convex and the step ends at the exact minimum of `G`, it may be added, and the sum is
+//!   still at most the whole energy before: no energy is gained. Plain and Chebyshev iterations from there, and all
+//!   from x̃, have no such guard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped,
+//!   hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
 //!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, an error of 10⁻²
 //!   takes 32 iterations with it and 7 without any acceleration.
@@ -526,12 +524,15 @@
 //! quasi-Newton iterations blow up.
 //!
 //! # Files in reading order
-//! 1. `examples/first_program.rs`: the naive method. `examples/hanging.rs`: iterations against the minimum of `G`.
+//! 1. `examples/first_program.rs`: the naive method. `examples/hanging.rs`: iterations against the minimum of `G`
+//!    (`cargo run --release -p cloth-pd --example hanging`; the other likewise).
 //! 2. `solver.rs`: the step; `solver/end.rs`: when it is done; `config.rs`: its settings; `objective.rs`: `G` and its
 //!    gradient.
 //! 3. `local.rs`: a family of elements; `batch.rs`: the formula of one. For speed: `vertex_blocks.rs`,
 //!    `deinterleaved.rs`, `quadratic.rs`.
-//! 4. `matrix.rs`: A; `global.rs`: its factor; `change.rs`: pins, attachments and elements that come and go.
+//! 4. `matrix.rs`: A; `global.rs`: its factor; `panel.rs`: the factor as a stream, and the solve with it
+//!    (`panel/parts.rs`: cut for threads); `woodbury.rs`: the solve after a change of a few rows; `change.rs`: pins,
+//!    attachments and elements that come and go.
 //! 5. `chebyshev.rs`, `quasi_newton.rs`, `coarse.rs` with `lattice.rs`: the accelerations.
 //! 6. `contact.rs`; `components.rs`: momentum of what nothing holds; `pin_work.rs`.
 //!

@@ -4,6 +4,10 @@
 //! *A spring, a curved hinge.* p = r z/‖z‖. At z = 0 every point of the sphere is as near; p is then r times a unit
 //! vector that the numbers of two vertices give ([`length_and_direction`](cloth_core::math::length_and_direction)).
 //!
+//! *Nearest to F = U Σ Vᵀ* is P = U clamp(Σ) Vᵀ: ‖F − P‖² = ‖F‖² − 2 F:P + ‖P‖², and F:P ≤ Σ σᵢ(F) σᵢ(P) (von Neumann),
+//! with equality for P with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F is
+//! 3 × 2, so there are no reflections to exclude.
+//!
 //! *A triangle* (`project` of [`ArapTriangle`](cloth_core::energy::ArapTriangle) and
 //! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)): the singular values of F = (f, g), 3 × 2, by one
 //! rotation in the plane of the rest shape (a Jacobi rotation, which makes FᵀF diagonal). There is no iteration.

@@ -5,6 +5,11 @@
 //! number of the factor twice and does little with it, a product and a difference for each of x, y and z. So x, y and z
 //! of a row share a vector register, the factor is read twice for all three and not twice for each, and the right-hand
 //! sides of a panel of up to four columns stay in registers while its rows go by.
+//!
+//! The factor in single precision is not faster (AMD EPYC, Zen 4, one thread), though the iteration converges as well
+//! by it: a number has to be widened before it is used. A solve takes 83 µs instead of 63 at 64 vertices a side, 480
+//! instead of 360 at 128, 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes 5.7 and 8.3
+//! times as long).
 
 mod parts;
 

@@ -22,13 +22,30 @@
 //!
 //! *A wrong weight.* Here w is the stiffness itself. For other isotropic materials Liu et al. fit it (their energies
 //! are sums of functions of the singular values and of products of these, after Valanis and Landel): w is the slope of
-//! the straight line nearest to the stress over an interval of stretches around 1. Value and gradient stay those of the
-//! material, and w is in A alone. What a wrong one does: a plain iteration multiplies the error in a mode of A⁻¹∇²G of
-//! eigenvalue λ by 1 − λ. Say A with the right w would have λ = 1, and elasticity outweighs M/Δt². With w too small by
-//! ten λ is 10: without a search the iteration diverges (from λ = 2 on); the parabola finds length 1/10 at the second
-//! trial, for one evaluation more an iteration. With w too large by ten λ is 1/10: descent is safe, and a plain
-//! iteration keeps 0.9 of the error, 22 iterations for a digit. Pairs correct that in as many directions as there are
-//! pairs; A is not rescaled by them.
+//! the straight line nearest to the stress, by linear regression over an interval of stretches around 1, those that are
+//! expected. Value and gradient stay those of the material, and w is in A alone. What a wrong one does: a plain
+//! iteration multiplies the error in a mode of A⁻¹∇²G of eigenvalue λ by 1 − λ. Say that λ = 1 for A with the right w,
+//! and that elasticity outweighs M/Δt². With w too small by ten λ is 10: without a search the iteration diverges (as it
+//! does from λ = 2 on); the parabola finds length 1/10 at the second trial, for one evaluation more an iteration. With
+//! w too large by ten λ is 1/10: descent is safe, and a plain iteration keeps 0.9 of the error, 22 iterations for a
+//! digit. Pairs correct that in as many directions as there are pairs; A is not rescaled by them.
+//!
+//! *Which interval.* Let t = s − 1 for a stretch s. The slope over −a ≤ t ≤ a is w = ∫ t f dt/∫ t² dt, whether or not
+//! the line has to pass through f(0) = 0. With f = k (t + c₂ t² + c₃ t³) that is w = k (1 + ⅗ c₃ a²): a wider interval
+//! raises w where c₃ > 0 and lowers it where c₃ < 0, and w tends to k, the stiffness at rest, as it narrows. As an
+//! example take a spring that cannot be pressed to a point: energy ¼ k (s² − 1 − 2 ln s), stress f = ½ k (s − 1/s), so
+//! c₃ = ½ and, in full, w = ½ k (1 + 3 (ln((1 + a)/(1 − a)) − 2a)/(2a³)), which grows without bound as a tends to 1.
+//! Its stiffness is f′ = ½ k (1 + 1/s²); with A from w, λ = f′/w is the eigenvalue above:
+//!
+//! | stretches s | w/k | λ at the shortest | λ at the longest |
+//! |---|---|---|---|
+//! | 0.9 to 1.1 | 1.003 | 1.11 | 0.91 |
+//! | 0.5 to 1.5 | 1.092 | 2.29 | 0.66 |
+//! | 0.1 to 1.9 | 1.677 | 30 | 0.38 |
+//!
+//! For w is a mean of f′ over the interval, weighted by a² − t², and not its largest value. A wide interval slows the
+//! iteration where the spring is pulled (λ below 1), and w is no bound all the same where it is pressed (λ above 2: a
+//! line search is needed).
 //!
 //! *Tried in vain*, on the hanging sheet of the crate page at 32 or 64 a side: a start extrapolated with the last
 //! change of velocity; pairs kept from the step before, as they are (the steps then need line searches) or with their

@@ -342,8 +342,19 @@ impl PdSolver {
     ///
     /// `G(x[1]) ≤ G(x[0])` bounds the potential energy that a step can make. Every iteration lowers `G`, so a start at
     /// `x[0]` has that; one that goes on with the velocity can end above it, where the cloth is so tangled that the
-    /// iterations do not get far, and a tangle fed in every step never rests. `G(x[0])` is an elastic energy, at least
-    /// 0, so what is below 0 need not be compared.
+    /// iterations do not get far, and a tangle fed in every step never rests.
+    ///
+    /// Values of `G` are known up to a constant of the step ([`Objective`]): inertia and the energy of the families of
+    /// constant projection count from `x[0]`, with 0 there. So the value at `x[0]` is the energy of all other elements,
+    /// of attachments that came later and of contact, none of them negative: where no pin or body moves, an end whose
+    /// value is at most 0 is not above `x[0]`, and need not be compared. In three cases the value at the fallback can
+    /// be below 0, and an end between it and 0 is kept all the same:
+    /// - A free component without contact has moved as its momentum takes it, its mean (by mass) by ū. That changes no
+    ///   elasticity and lowers the value by `m ‖ū‖²/(2Δt²)`, m its mass. `G(x[1]) ≤ G(x[0])` still holds, with `x[0]`
+    ///   as it is.
+    /// - Where a pin moves, the families of constant projection may store less at the fallback than at `x[0]`. The end
+    ///   that is kept is above the fallback by no more than what they store at `x[0]`.
+    /// - Where contact has led free vertices around a body that moves, the fallback is not `x[0]`, and has inertia too.
     fn has_gained_energy(
         &mut self,
         state: &State,

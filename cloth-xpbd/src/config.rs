@@ -23,8 +23,11 @@ use cloth_core::method::position_based::{Acceleration, Sweep};
 /// The last line is a Rayleigh quotient: with equal λ in all links `λᵀAλ` is the w of the tip alone, `1/(r m)`, and the
 /// diagonal makes `2 (N − 1)/m`. That gives Jacobi's `1 − ρ`, and Gauss–Seidel has twice that.
 ///
-/// - **Stiffness**: sweeps for a factor of e are about `1/(2/κ + π²/(N + 1)²)` with both ends free: some `κ/2` while
-///   the springs are soft for the step, and no more than `(N + 1)²/π²` however stiff they are. A hard row is no slower.
+/// - **Stiffness**: with both ends free and κ well above 1, sweeps for a factor of e are about `1/(2/κ + π²/(N + 1)²)`.
+///   For `1 ≪ κ ≪ N²` this is κ/2, in proportion to k. The two terms are equal at `κ = 2 (N + 1)²/π²`, some N²/5. For κ
+///   far above that it is `(N + 1)²/π²`, however stiff the springs are: a hard row is no slower. For κ of 1 or less it
+///   is less than one sweep, at most `1/(2 ln(1 + 1/κ))`, 0.72 at κ = 1: such springs are soft for the step, and one
+///   sweep does.
 /// - **Resolution**: on a sheet of n vertices a side and the same material, w goes with n² and k is constant. At the
 ///   same h both `κ/2` and N² grow with n², and so do the sweeps. With h ~ 1/n, n times the substeps, κ is constant:
 ///   then one sweep a substep corrects the same fraction on any mesh, at the cost of n substeps and not n² sweeps.

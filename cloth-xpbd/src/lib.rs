@@ -121,8 +121,8 @@
 //! # The step
 //! ```text
 //! for each of s substeps of h = Δt/s:
-//!     v ← v + h (g + w f),  x̃ ← x + h v,  λ ← 0        free flight (f without the weight)
-//!     x ← x̃
+//!     where w > 0:  v ← v + h (g + w f)                f without the weight; where w = 0, v stays as it is
+//!     x̃ ← x + h v,  x ← x̃,  λ ← 0                      free flight
 //!     n times, for each row: Δλ, λ and x as above      one sweep
 //!     v ← v + (x − x̃)/h
 //! ```
@@ -224,9 +224,9 @@
 //! The paper writes `∂C/∂x·(x − x⁰)` for `C − C⁰`. For a spring that turns by a finite angle that is not zero, and
 //! damps the rotation; the difference of the values is zero for every rigid motion. By a change of variable,
 //! `ν = λ − k h β C⁰`, the sweep is the undamped one with `α̃ = 1/(k h (h + β))` and another start of the multiplier,
-//! so damping costs nothing in it. In the letters of the paper: its β (N s/m) is our βk, so its `γ = α̃ β̃/h`, with β̃
-//! = h²β, is our β/h; divide its Δλ through by 1 + γ to find `α̃/(1 + γ) = 1/(k h (h + β))`, and
-//! `γ/(1 + γ) = β/(h + β)` as the part of C⁰ that is kept.
+//! so damping costs nothing in it. The paper's β (N s/m), b here, is our βk. Its `γ = α̃ b̃/h`, with `α̃ = 1/(k h²)`
+//! and `b̃ = h² b`, is β/h, and its Δλ is `−(C + α̃λ + γ (C − C⁰))/((1 + γ) w̃ + α̃)`. Divide above and below by 1 + γ:
+//! `−(C − d C⁰ + α̃′λ)/(w̃ + α̃′)`, with `α̃′ = α̃/(1 + γ) = 1/(k h (h + β))` and `d = γ/(1 + γ) = β/(h + β)`.
 //!
 //! Without it, backward Euler's own damping remains: a substep divides the energy of an oscillation of ω by
 //! `1 + (hω)²`, a damping ratio of hω/2 if that is small. In a given time smaller substeps damp less where hω < 2.
@@ -290,12 +290,13 @@
 //! is summed over the steps, losses taken off, never below zero. A step that adds to the sum and lifts it above τ times
 //! the scale of energy is repeated with twice as many substeps, up to eight times as many; the next one begins with as
 //! many, or with half where the sum is below half of that bound. A step in which twice as many substeps keep over 0.8
-//! of the excess is accepted: they do not help. The scale is the largest kinetic and elastic energy at the start of any
-//! step so far, with or without the work of that step. [`StepReport::refinements`] counts. τ = 0.01 is a good value, on
-//! top of [`SubstepRule`]: a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by twenty substeps,
-//! then at no time has more energy than it was given by over 0.4 % of the work of gravity; without τ it has more by
-//! twelve times that work (`tests/all/refinement.rs`). A step without excess costs two evaluations of the energy. The
-//! stiffer a cloth, the more energy is in the same strain, and the more often it takes all eight times as many.
+//! of the excess is accepted: they do not help. The scale is the larger of K + E and K + E + W, and of that the largest
+//! over all steps so far, this one included: K + E (J) is the kinetic and elastic energy at the start of a step, W the
+//! work named above, of that step. [`StepReport::refinements`] counts. τ = 0.01 is a good value, on top of
+//! [`SubstepRule`]: a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by twenty substeps, then at no
+//! time has more energy than it was given by over 0.4 % of the work of gravity; without τ it has more by twelve times
+//! that work (`tests/all/refinement.rs`). A step without excess costs two evaluations of the energy. The stiffer a
+//! cloth, the more energy is in the same strain, and the more often it takes all eight times as many.
 //!
 //! # Order of the constraints, colours and threads
 //! A sweep visits the families in the order in which they were added, and the elements of a family in the order
@@ -323,10 +324,18 @@
 //! [`StepInput::contacts`]. Its [`ContactConstraints`](cloth_core::contact::ContactConstraints) find at x̃ what can
 //! touch in the substep (`begin_substep`), are swept last in each iteration, test the paths before the velocities are
 //! found (`end_substep`), and may change those afterwards (`change_velocities`). A contact is a row
-//! `C = n·Σ bᵢ xᵢ − d̂ ≥ 0`, with bᵢ barycentric weights, negative on one side. It is the energy ψ(d) per area of
-//! `cloth_collide::potential` with its slope ψ′ linearised at the distance d of the start: compliance 1/(A ψ″) for the
-//! area A, and `d̂ = d − ψ′/ψ″`, the zero of that line. Where d is at least half of the range, d̂ is the range, the
-//! thickness (between two edges half of it); for less it is less. In a visit, with `ŵ = Σ wᵢ bᵢ²`,
+//! `C = n·Σ bᵢ xᵢ − d̂ ≥ 0`, with bᵢ barycentric weights, negative on one side. It comes from the energy per area ψ(d)
+//! (J/m²) of `cloth_collide::potential`, with κ (Pa/m) and the range r, the thickness, between two edges half of it:
+//!
+//! ```text
+//! ψ = ½ κ (r − d)²                 from d = r/2 to r; nothing beyond
+//! ψ = ½ κ t² − κ t² ln(d/t)        below t = r/2, a barrier
+//! ```
+//!
+//! ψ′ is replaced by its tangent at the distance d of the start: compliance 1/(A ψ″) for the area A, and
+//! `d̂ = d − ψ′/ψ″`, where that line is zero. From t on this gives d̂ = r and ψ″ = κ, the spring itself; below,
+//! `d̂ = 2d` and `ψ″ = κ t²/d²`: what is too near is held more stiffly, but sent to 2d only in one substep. (Below
+//! r/20, ψ″ is that of r/20 and `d̂ = d + r/20`.) In a visit, with `ŵ = Σ wᵢ bᵢ²`,
 //!
 //! ```text
 //! Δλ = max(−λ, −(C + α̃λ)/(ŵ + α̃)),   λ_t ← λ_t − u/ŵ, cut to ‖λ_t‖ ≤ μ λ
@@ -345,27 +354,9 @@
 //! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one more row, C = V − V* of all vertices of a closed
 //! piece, with ∂V as at the start of the substep, swept before the contacts.
 //!
-//! A sheet of 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a ball of 0.1 m, with friction,
-//! `cloth-bench run ball.toml --steps 60 --method xpbd --set energy_gain=none --set substeps=20` on the file
-//!
-//! ```toml
-//! mesh = [{ generator = "grid:64x64:alternating", translate = [-0.5, -0.5, 0.15] }]
-//! obstacle = [{ shape = "sphere", radius = 0.1 }]
-//! contact = { self = true }
-//! ```
-//!
-//! holds this much strain energy, and at some time so much more energy than all that was put in:
-//!
-//! | substeps | after 20 steps (J) | after 60 (J) | excess over 60 (J) |
-//! |---|---|---|---|
-//! | 20 | 19 | 3.3 | 28 |
-//! | 40 | 2.0 | 0.44 | 5.5 |
-//! | 80 | 0.63 | 0.11 | 1.1 |
-//! | 100, by [`SubstepRule`] for 10 % | | 0.060 | 0.39 |
-//! | 141, for 7 % | | 0.060 | 0.09 |
-//! | 196, for 5 % | | 0.041 | 0.05 |
-//!
-//! The excess is the error of unconverged sweeps, as without contact. So where cloth can touch something, ask for 7 %.
+//! Unconverged sweeps leave energy here too. A sheet of 64 × 64 vertices that falls onto a ball has at some time 28 J
+//! more than all that was put in, with 20 substeps; with the 141 of [`SubstepRule`] for a strain of 7 % it is 0.09 J
+//! ([table](SubstepRule#with-contact)). So where cloth can touch something, ask for 7 %.
 //!
 //! # Direct solve
 //! With the feature `direct`, `direct::DirectXpbd` solves all rows of a step as one linear system, and repeats
@@ -399,8 +390,8 @@
 //!   finite, `TriMesh::new` triangles without area, `Cloth::on` edges of three triangles. An element made by hand on
 //!   such a rest shape has no stiffness, or coefficients that are not finite: its first step is refused.
 //! - **No convergence test.** A step makes its sweeps and reports
-//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome); [`XpbdSolver::compliance_residual`] says how far
-//!   `C + α̃λ` is from zero.
+//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome). How far `C + α̃λ` is from zero, and how to read
+//!   that, is with [`XpbdSolver::compliance_residual`].
 //!
 //! # Add an element
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives
@@ -488,6 +479,7 @@
 //!
 //! - For the same reason forces read from λ miss the balance at rest by an amount of order h² where links turn
 //!   from x̃ to x within a substep, as those of a rope between two pins do; in a straight chain they are exact.
+//!   `direct.rs`, *What one sees of it*, has both in millimetres and per cent.
 //! - Gauss–Seidel needs more sweeps on a finer mesh. In a straight chain of N rigid links, hung by one end, Jacobi has
 //!   the slowest eigenvector `cos((i − 1)θ)` at link i, `θ = π/(2N)`, with the eigenvalue cos θ; Gauss–Seidel has its
 //!   square, so `cos²(π/(2N))` of the error is kept per sweep. Truncated early, a stiff cloth is softer than its k.
@@ -503,6 +495,14 @@
 //! - A substep moves a vertex by some g h², beside positions that are rounded to 10⁻¹⁶ of their size: at 1 m and
 //!   h = 10⁻⁶ s a correction has five digits left. For single precision see `single`, which adds up displacements.
 //! - Damping does not act on hard rows, which do not move, nor on rigid motion.
+//! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before: a
+//!   chain put where one sweep a substep leaves it moves by less than 1e-9 m in 20 steps (`chapter/guide.rs`). What
+//!   trembles is energy that a stop has left in springs: take more substeps, `energy_gain` or damping. Rounding gives
+//!   10⁻¹⁶ of the positions over h, 1e-13 m/s at 1 m and 1/1200 s.
+//! - **Locking** comes from the mesh; converged sweeps have it as any method has. A bent sheet of V vertices and E
+//!   edges that cannot stretch has 3V − E motions, three more than its rim has edges (one piece, no holes). So stiff
+//!   springs fold freely along lines of edges only, on fine meshes too. Remedies:
+//!   [`SpringLaw`](cloth_core::cloth::SpringLaw) and `cloth_core::dof`, with numbers.
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60

@@ -12,8 +12,16 @@
 //! so a gain is a sure sign. Gains are summed over the steps and losses taken off, but the sum is never below zero. A
 //! step that adds to the sum and lifts it above τ times the scale of energy is repeated from its start with twice as
 //! many substeps, and the next one begins with as many. Where the sum is below half of that bound, the next one begins
-//! with half as many. If over 0.8 of the gain is left, more substeps do not help, and the step is accepted. The scale
-//! is the largest, so far, of K + E before a step, with the work given in it or without.
+//! with half as many. If over 0.8 of the gain is left, more substeps do not help, and the step is accepted.
+//!
+//! The scale is, with W the work of the formula above,
+//!
+//! ```text
+//! max over all steps so far, with the present one, of max(K + E before, K + E before + W)
+//! ```
+//!
+//! K + E alone would be zero for cloth that starts from rest, and any gain too much; with W the scale has what the
+//! cloth is given as soon as it falls.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::rounding_energy;

@@ -26,7 +26,7 @@ pub(super) const STUDY: Study = Study {
 };
 
 fn sizes(scope: Scope) -> &'static [u32] {
-    scope.pick(&[11, 17], &[32, 64, 128])
+    scope.pick(&[9, 13], &[32, 64, 128])
 }
 
 /// A point of a curve.

@@ -34,7 +34,7 @@ pub(super) const STUDY: Study = Study {
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    scope.pick(&[9, 18], &[32, 64, 128, 256])
+    scope.pick(&[9, 13], &[32, 64, 128, 256])
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {

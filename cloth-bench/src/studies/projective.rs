@@ -57,7 +57,7 @@ const LONG: (&str, &str) = (
 );
 
 fn sizes(scope: Scope) -> &'static [u32] {
-    scope.pick(&[13, 25], &[32, 64, 128])
+    scope.pick(&[9, 17], &[32, 64, 128])
 }
 
 fn stiffnesses(scope: Scope) -> &'static [Real] {
@@ -225,7 +225,7 @@ const RACERS: [(&str, &str, &str); 4] = [
 ];
 
 fn race_sizes(scope: Scope) -> &'static [u32] {
-    scope.pick(&[13, 25], &[64, 128])
+    scope.pick(&[9, 17], &[64, 128])
 }
 
 /// How one of them got there, if it did.

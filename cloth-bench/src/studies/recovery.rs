@@ -25,7 +25,7 @@ const STILL: Real = 1e-3;
 
 /// Vertices a side, and steps.
 fn size(scope: Scope) -> (usize, u32) {
-    scope.pick((5, 150), (9, 300))
+    scope.pick((5, 100), (9, 300))
 }
 
 /// A method and how its sheet starts.

@@ -19,7 +19,7 @@ pub(super) const STUDY: Study = Study {
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    scope.pick(&[16, 32], &[64, 128, 256, 512, 1000])
+    scope.pick(&[12, 24], &[64, 128, 256, 512, 1000])
 }
 
 /// Time that one size may take.

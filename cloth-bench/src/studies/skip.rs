@@ -230,7 +230,7 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<Times, BenchError>
         variant(Presence::Unused)?,
         variant(Presence::InUse)?,
     ];
-    let least = scope.pick(0.25, 4.0);
+    let least = scope.pick(0.15, 4.0);
     let times = interleaved(least, |variant| variants[variant].step())?;
     let [_, again, unused, used] = times.ratios;
     let without = 1e3 * times.seconds[0];

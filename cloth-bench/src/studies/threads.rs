@@ -105,7 +105,7 @@ fn times(scope: Scope, name: &str, n: u32) -> Result<Times, BenchError> {
         method.build(&scene, &Settings::default(), scene.dt)?,
     ];
     let mut states = [scene.start.clone(), scene.start.clone()];
-    let times = interleaved(scope.pick(0.5, 1.0), |variant| {
+    let times = interleaved(scope.pick(0.3, 1.0), |variant| {
         let (solver, state) = (&mut solvers[variant], &mut states[variant]);
         pools[variant].install(|| {
             let input = StepInput::new(scene.dt).gravity(scene.gravity);

@@ -32,6 +32,7 @@ fn side(scope: Scope) -> u32 {
 /// show it.
 fn rates(scope: Scope, label: &str) -> &'static [u32] {
     match (scope, label) {
+        (Scope::Quick, "xpbd-direct") => &[60, 120],
         (Scope::Quick, _) => &[60, 120, 240],
         (Scope::Full, "xpbd-direct") => &[30, 60, 120],
         (Scope::Full, _) => &[30, 60, 120, 240, 480, 960],

@@ -3,7 +3,7 @@
 use cloth_core::math::{Blocks, Mat3, Real, Vec3};
 
 /// m(c) of c = ‖u × v‖², for the vectors u, v of two edges: c/ε (2 − c/ε) below ε, 1 from there on (Li et al. 2020,
-/// where distances of nearly parallel edges are treated).
+/// equation 24, in section 6 on distances, with the same ε: a thousandth of the product of the squared rest lengths).
 ///
 /// The nearest points of parallel edges are not unique, and the gradient of their distance jumps. m is zero there, so
 /// the energy m ψ(d) has a continuous gradient, but its second derivative jumps at c = ε, and wherever the nearest

@@ -1,11 +1,27 @@
 //! Which pairs can touch in a substep, from bounds on the relative motion of patches of the cloth.
 //!
+//! # The bound
+//!
 //! A patch is at most 32 neighbouring triangles. Its motion is described by its centre c, the mean of its vertices, and
-//! by its spread s (m): how far a vertex has moved relative to the centre, at most, since reference positions of the
-//! patch were taken, plus the same for each time that they were taken before. Since a moment 0, two points of patches p
+//! by its spread s (m). The spread is counted from reference positions x̄: those that its vertices had at one moment,
+//! when it had the centre c̄ and the spread s̄. At the positions x it is
+//!
+//! s = s̄ + max ‖(x − c) − (x̄ − c̄)‖ over the vertices of the patch.
+//!
+//! Where reference positions are taken anew (`refer`), s̄ becomes what s is there, so s does not jump. Let 0 be a
+//! moment at which those of both patches p and q were taken, the last one or an earlier one. Since then two points of p
 //! and q have moved relative to each other by no more than
 //!
 //! ‖(c_p − c_q) − (c_p − c_q)₀‖ + (s_p − s_p₀) + (s_q − s_q₀).
+//!
+//! This is so because a vertex has moved relative to the centre by no more than s − s̄ since the last reference
+//! positions, and from one set of them to the next by no more than the difference of their s̄. These add up to s − s₀,
+//! and a point of a triangle is a mean of vertices. From another moment the inequality does not hold: a vertex that
+//! goes back towards its reference position moves, and s falls. So each detection between two patches first takes the
+//! reference positions of both anew (`find`), and each search for pairs of patches those of all (`search`). What is
+//! kept to compare with (`apart` and `spread` of a `PatchPair`, `searched` of `Patches`) is from these moments.
+//!
+//! # What follows from it
 //!
 //! Detection between two patches finds all pairs of primitives nearer than h plus a motion bound (`room` in the code),
 //! and sorts them by d − h. As long as the expression above is less than the bound, the list is complete, and only the
@@ -16,6 +32,28 @@
 //! `choose` and `holds` of a minimisation), and a bound that it exceeds is a new detection. Which patches are near each
 //! other is found by a broad phase from their boxes, moved outwards by r + h/2. That is valid while no patch goes
 //! farther than r besides what all do together: the mean edge, or twice the displacement of the path if that is more.
+//!
+//! # Measures of motion
+//!
+//! All are in metres, and each bounds a motion from other moments on.
+//!
+//! - *Spread* of a patch, *bound* of two (`Motions::bound`): as above, since the last detection. What goes to and fro
+//!   does not add up. They tell whether a list is complete, and which pairs at its beginning may touch.
+//! - *Stray* of a patch (`stray`): how far it has gone since pairs of patches were searched, besides the mean of all of
+//!   the cloth, by its centre and its spread. As long as no stray is more than r, only pairs of patches that were found
+//!   can be near each other.
+//! - *Path* of a patch (`Motions::paths`): how far a vertex goes relative to the centre in a substep, at most, added up
+//!   over the substeps. *Travel* of two (`PatchPair::travel`): the displacements of c_p − c_q and the paths of both,
+//!   added up from look to look (`bring_up`) since the last detection. It never falls, and bounds the relative motion
+//!   since each look in between: a pair that lacks something then need not be asked before the travel has grown by that
+//!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`Known`).
+//! - *Clock* of a patch (`Motions::clocks`): the displacement of its centre besides that of the mean of all of the
+//!   cloth, and its path, added up over the substeps. It never goes back, and two patches move relative to each other
+//!   by no more than both clocks advance together. So a look notes the sum of two clocks until which nothing can happen
+//!   (`quiet`); to ask again takes one sum and one comparison for each pair of patches.
+//! - *Aim*: where the substep was to end when it was looked at first. *Drift* of a patch: by how much it can have moved
+//!   farther than on the way to the aim, where the substep, after sweeps, ends elsewhere. The first look allows for
+//!   0.05 h more than the motion at hand; while the drifts of two patches are together within that, they need no other.
 
 mod between;
 mod detect;
@@ -112,8 +150,9 @@ pub(super) struct Patches {
     then: Motions,
     /// How far a vertex goes besides its centre in between (m).
     displacements: Vec<Real>,
-    /// Where a substep was to end when pairs were looked into first, and how far it ends from there (m) by another
-    /// look; of each pair of patches, the substep at whose beginning it was looked into.
+    /// Where a substep was to end when pairs were looked into first, how far a vertex was to go besides its centre (m),
+    /// and the drift of each patch from there (m) at another look; of each pair of patches, the substep at whose
+    /// beginning it was looked into.
     aim: Motions,
     aim_displacements: Vec<Real>,
     drift: Vec<Real>,
@@ -128,7 +167,8 @@ pub(super) struct Patches {
     broad_phase: Box<dyn BroadPhase>,
     found: Vec<[u32; 2]>,
     pairs: Vec<PatchPair>,
-    /// The two patches of each of them, and the sum of their clocks until which nothing can happen between them.
+    /// The two patches of each of them, and the sum of their clocks (m; how far they have moved, see above) until which
+    /// nothing can happen between them.
     ids: Vec<[u32; 2]>,
     quiet: Vec<Real>,
     before: Vec<PatchPair>,

@@ -54,7 +54,9 @@ pub(super) struct Rows {
     quiet: Quiet,
     /// Whether the last step was taken with these rows.
     pub(super) took_last: bool,
-    /// Where the start of the last minimisation was led (m); none if that was not the last that was done.
+    /// Where the last substep that led the start of a minimisation (`Contacts::lead`) has ended (m). The next one
+    /// brings the patches from there to its own start, instead of forgetting them. Empty if there was none, if it
+    /// failed, or if a step of constraints has begun since.
     led: Vec<Vec3>,
     /// Where the sweeps have ended (m), and the part of the path there that each vertex goes.
     proposed: Vec<Vec3>,

@@ -487,6 +487,12 @@ impl Minimizer {
 
     /// Follows `part` of the direction with every vertex as far as it alone can go, and evaluates what that comes to:
     /// one bound for all would let one pair that is nearly closed hold the whole cloth. Returns whether that is lower.
+    ///
+    /// Nothing crosses by it. A pair is safe if it keeps a fifth of its distance, or of h if that is less, on its
+    /// straight paths. `limit_each` cuts all vertices of one that is not to the part up to which it is, and tests the
+    /// pairs around it again on what is left. After 20 such rounds all vertices are cut to what the worst pair allows,
+    /// and near pairs are looked up again. The line search takes one factor for all of these paths: the beginning of a
+    /// safe path is safe.
     fn search_vertex_by_vertex(
         &mut self,
         task: &Task<'_>,

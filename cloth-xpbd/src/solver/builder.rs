@@ -28,7 +28,7 @@ use cloth_core::step::BuildError;
 /// | `DihedralHinge` | `θ − θ₀` | below | a wing without area: C and ∂C are zero |
 /// | `StvkTriangle` | three strains, below | below | |
 /// | `ArapTriangle` | two: `σ − 1` | `u (v·bᵢ)` | σ = 0: any u at right angles to the other |
-/// | `AreaTriangle` | `A − A₀` | `½ n × oᵢ`, oᵢ the edge opposite to i | A = 0: any n across the line |
+/// | `AreaTriangle` | `A − A₀` | `½ n × oᵢ`, below | A = 0: any n across the line |
 /// | `VolumeTetrahedron` | `V − V₀` | `(x₂ − x₀) × (x₃ − x₀)/6` for x₁; by turns | |
 /// | `StrainLimitSpring`, `StrainLimitTriangle` | `l`, `σ` minus the nearest allowed | as without limits; inside 0 | |
 ///
@@ -37,6 +37,10 @@ use cloth_core::step::BuildError;
 /// nearby ones, so that what has collapsed opens again. A row whose gradients are all zero has w̃ = 0 and moves
 /// nothing: a triangle shrunk to a point, a hinge without a wing. Nor does one between prescribed vertices; if it is
 /// soft, its λ becomes −C/α̃, h² times the force on them.
+///
+/// **Area.** oᵢ is the edge opposite to vertex i, run through in the order x₀, x₁, x₂: `o₀ = x₂ − x₁`, `o₁ = x₀ − x₂`,
+/// `o₂ = x₁ − x₀`, which sum to zero. `n = (x₁ − x₀) × (x₂ − x₀)/(2A)` is the unit normal. So `n × oᵢ` is at right
+/// angles to that edge and points from it to vertex i: A grows where the vertex moves away from the edge.
 ///
 /// **St. Venant–Kirchhoff.** `F = Σ xᵢ bᵢᵀ` (3 × 2) maps rest to present, with constant bᵢ (1/m) that sum to zero: in a
 /// rest frame with `x₁ − x₀ = (a, 0)` and `x₂ − x₀ = (c, d)`, `b₁ = (1/a, −c/(a d))` and `b₂ = (0, 1/d)`. With f and g

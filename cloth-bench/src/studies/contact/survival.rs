@@ -45,7 +45,7 @@ fn through(x: Vec3) -> Vec3 {
 /// Vertices a side, sizes of steps (s), and runs of each.
 fn size(scope: Scope) -> (u32, &'static [Real], u64) {
     const STEPS: [Real; 4] = [1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 15.0];
-    scope.pick((7, &STEPS[1..3], 1), (17, &STEPS, 3))
+    scope.pick((5, &STEPS[1..3], 1), (17, &STEPS, 3))
 }
 
 /// A scene of contact by its name, with so many vertices a side and with settings of its start.
@@ -361,7 +361,7 @@ pub fn recover(pairing: Pairing, n: u32, steps: u32) -> Result<Recovered, BenchE
 /// Cloth that passes through itself at the start.
 fn recovery(study: &mut StudyRun<'_>) {
     let steps = most_steps(study.scope);
-    let n = study.scope.pick(7, 17);
+    let n = study.scope.pick(5, 17);
     let is_tried =
         |pairing: &Pairing| TANGLED.contains(&pairing.scene) && pairing.method != LEFT_OUT;
     let rows = study.grid_side_by_side(

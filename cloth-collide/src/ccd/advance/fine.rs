@@ -22,8 +22,9 @@ where
     /// The walk in double precision from `time` on, which `coarse` has reached, trying the part `trial` of the motion
     /// first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not.
     ///
-    /// So near, what the nearest feature is cannot be told in `f64` either. All are tried, first the one that led
-    /// furthest last.
+    /// So near, `f64` cannot tell either which feature is the nearest. So in each step all are tried, and the one is
+    /// taken whose direction certifies most of the trial. The one that was taken in the step before comes first: it
+    /// often certifies all of the trial again, and then the others are left out.
     pub(super) fn fine(&self, time: Real, trial: Real) -> Option<Impact> {
         let polygon = &self.polygon;
         let features = <[Vec3; K]>::FEATURES;

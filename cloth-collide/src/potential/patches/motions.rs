@@ -9,9 +9,10 @@ pub(super) struct Motions {
     /// Centre (m) and spread (m).
     pub(super) centres: Vec<Vec3>,
     pub(super) spreads: Vec<Real>,
-    /// How far (m) vertices have gone at most besides the centre, substep by substep; and besides what all patches do
-    /// together.
+    /// How far (m) a vertex has gone relative to the centre, at most in each substep, added up over the substeps.
     pub(super) paths: Vec<Real>,
+    /// The same, and the displacements of the centre besides that of the mean (m): never less than before, and two
+    /// patches move relative to each other by no more than the sum of both grows.
     pub(super) clocks: Vec<Real>,
     /// Mean of the centres of the cloth (m).
     pub(super) mean: Vec3,
