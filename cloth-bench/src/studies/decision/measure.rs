@@ -95,7 +95,7 @@ impl Step {
         let fold = match method.name {
             // Hundreds of steps of a stiff sheet, each cut into hundreds.
             "symplectic-euler" => None,
-            name => Some(locking::fold_angle(name, scope.pick(6, 8))),
+            name => Some(locking::fold_angle(name, 8)),
         };
         step.error = error.and_then(|found| or_reason(found, &mut step.reasons));
         let (_, n, steps) = small(scope);
