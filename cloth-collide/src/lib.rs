@@ -115,9 +115,9 @@
 //! # When not to use it
 //!
 //! - Cloth that can touch nothing: leave contact out, and no code of this crate runs. With it, a sheet in free fall
-//!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`). On one machine a step of
-//!   `implicit-euler` takes 16 ms for a hanging sheet of 64 × 64, and 434 ms as it falls on a ball and can touch itself
-//!   (`cloth-bench/doc/results.md`).
+//!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`). A step of
+//!   `implicit-euler` takes 25 ms for a hanging sheet of 64 × 64, and 432 ms as it falls on a ball and can touch itself
+//!   (machine and commit in [`potential`], Cost).
 //! - A floor alone, far from any fold: an element with a penalty on the vertices
 //!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
 //! - Bouncing with methods that minimise: [restitution](potential::PotentialBuilder::restitution) is for those that

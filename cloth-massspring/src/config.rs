@@ -107,8 +107,8 @@ pub enum Solve {
     /// Newton's method with line search, to the tolerance.
     Newton,
     /// One Newton step of full length from the start guess: the forces linearised there, and one linear system.
-    /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed, unless there
-    /// is contact: that is not linearised, and takes iterations to the tolerance; the cloth is linearised again where
+    /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed, unless
+    /// something is touched: contact is not linearised, and takes iterations to the tolerance; the cloth is linearised again where
     /// that ends if `G` has not gone down as promised.
     ///
     /// The cheapest implicit step there is. It integrates linear forces like the full solution. Otherwise its error is

@@ -71,9 +71,9 @@ use stage::Stage;
 /// [`Solve::QuasiNewton`] and [`Solve::Linearized`]: the iteration ends with a shift to where the momentum takes the
 /// cloth. In Newton's method it is kept as exactly as the linear systems are solved. Angular momentum is not kept.
 ///
-/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and its name is `linear-implicit`. With contact only
-/// the cloth is linearised: at the start of the step it does not touch yet what it meets in the step, so a linearised
-/// contact would miss that. The quadratic function of the cloth and the contact potential are minimised together, to
+/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and its name is `linear-implicit`. With contact, what
+/// touches nothing takes the same step. Elsewhere only the cloth is linearised: at the start of the step it does not
+/// touch yet what it meets in the step, so a linearised contact would miss that. The quadratic function of the cloth and the contact potential are minimised together, to
 /// the tolerance. A sheet that is stopped buckles, which the quadratic function does not contain: if `G` itself has
 /// gone down by less than three quarters of what the quadratic function has, the cloth is linearised again at the
 /// minimum, eight times at most.

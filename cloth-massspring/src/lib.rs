@@ -156,7 +156,8 @@
 //! `‖q x‖ = 2e sin(θ/2)`, about eθ. The hinge stands for a third of its triangles, `Ā = (A₀ + A₁)/3`, with the
 //! curvature `eθ/Ā`: `E = ½ k (eθ/Ā)² Ā`, `K = k/Ā`. An equilateral lattice bent to a cylinder of curvature κ has
 //! `q·u = κ e² (cos 2φ − ½)/√3` at an edge that is φ away from the direction of κ. The squares of the three brackets at
-//! a vertex sum to 9/4, which makes `½ 3k κ²` per area: `k = D/3`. By the angle itself the same energy of small folds
+//! a vertex sum to 9/4, which makes `½ 3k κ²` per area (`Ā = e²/√12`, area `√3 e²/2` a vertex): `k = D/3`. (The
+//! alternating grid has D along its lines, 1½ D along its diagonals.) By the angle itself the same energy of small folds
 //! is `½ D e²/(A₀ + A₁) (θ − θ₀)²`; θ is positive where the edge is a ridge seen from the front, and flat is a point
 //! like others. The moment `K e² sin θ` of the first is largest at a right angle and gone at a full fold, θ = π; that
 //! of the angle grows up to `|θ − θ₀| = π` and changes its sign there.
@@ -277,7 +278,7 @@
 //! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
 //! then `solver.step(&mut state, StepInput::new(dt).contacts(&mut contacts))?`, with the same contacts in every step.
 //!
-//! What the cloth touches is one more energy in `G`, with a gradient and a positive semi-definite second derivative
+//! What the cloth touches, itself included, is one more energy in `G`, with a gradient and a positive semi-definite second derivative
 //! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted
 //! that has gone through anything. So a step of any size ends with contact forces, elastic forces and inertia in
 //! balance. With the thickness h (m) and the stiffness κ_c (Pa/m) of contact, at the distance d the energy per area is
@@ -320,7 +321,7 @@
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
-//! A linearised step linearises the cloth alone, and again where it is stopped and has to buckle
+//! A linearised step that meets something linearises the cloth alone, and again where it is stopped and has to buckle
 //! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). The matrix of
 //! [`Solve::Newton`] has the pattern of the elements and no place for pairs that come and go: it refuses contact.
 //!
@@ -463,8 +464,7 @@
 //!   that of the same k, D and Δt.
 //! - Gradients cannot be made smaller than rounding: positions of 1 m are stored to 10⁻¹⁶ m, and stiff springs feel it.
 //!   At 10⁴ N/m and 1/60 s the floor is about 10⁻⁸ to 10⁻¹⁰ of the forces. The iteration knows it and stops there.
-//! - Springs on every edge lock bending across the diagonals, whatever the integrator: 3V coordinates less E edge
-//!   lengths leave few free motions.
+//! - Stiff springs on all E edges leave 3V − E motions free: too few to fold across diagonals, by any integrator.
 //!
 //! # Which settings
 //!
@@ -541,7 +541,7 @@
 //!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `truncated_newton.rs`: its
 //!    directions in hard contact; `progress.rs`: when Newton's method takes over.
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
-//!    `drift.rs`, `global_terms.rs` (volumes).
+//!    `minimizer/linearized_step.rs`, `drift.rs`, `global_terms.rs` (volumes).
 //!
 //! A new integrator: see `implicit.rs`. Most claims of this page are tests in `tests/chapter` (`cargo test --release -p
 //! cloth-massspring --features cholesky --test chapter`), those on contact in `cloth-bench/tests/contract`; times and

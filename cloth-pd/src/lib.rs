@@ -85,7 +85,8 @@
 //! holds for each of them. `local.rs` has why U clamp(Σ) Vᵀ is nearest, and the singular values in closed form, with
 //! degenerate and inverted triangles. The bᵢ (1/m) are the gradients of the linear hat functions at rest.
 //!
-//! The qᵢ of a hinge are cotangent weights at rest, so that ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its
+//! With the edge x₀ x₁, the tips x₂ and x₃, and the angles at rest θ₀, θ₁ of the first triangle and θ₂, θ₃ of the other
+//! at x₀ and x₁, a hinge has `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, so that ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its
 //! fold θ without stretch; D is the bending rigidity (N m), A₀ and A₁ are the areas of its triangles. For small θ a
 //! flat hinge stores ½ D e² θ²/(A₀ + A₁). A cylinder of curvature κ then stores ½ D κ² per area on equilateral
 //! triangles, and on the alternating grid along its lines; 1½ times that along its diagonals. A hinge curved at rest

@@ -19,7 +19,7 @@ use cloth_core::math::{Real, Vec3, gather};
 /// pairs, and hardly any path holds for the next one all the same: the 64 x 64 sheet that falls on a ball of 30,000
 /// triangles takes 2.0, 1.2 and 1.8 times as long with 2, 0.5 and 1.0.
 const ROOM: Real = 0.1;
-/// A choice costs as much as so many looks at the pairs that it leaves, and at so many more.
+/// A choice of n pairs costs as much as `AS_DEAR (n + MANY)` evaluations of one.
 const AS_DEAR: usize = 4;
 const MANY: usize = 500;
 

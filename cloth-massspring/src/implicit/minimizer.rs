@@ -1,5 +1,7 @@
 //! The minimisation of one stage: which method begins, when it is done, and which takes over.
 
+mod linearized_step;
+
 use super::line_search::{self, Point};
 use super::linearized::Linearized;
 use super::newton;
@@ -31,13 +33,6 @@ const LEFT: Real = 1e4;
 /// Where much energy is released after the start, as from cloth crushed to a point, the decrement is compared with at
 /// least this fraction of the velocity that the energy would make.
 const VIOLENT: Real = 1e-3;
-/// A step whose cloth is linearised is good enough once the true function has gone down by this part of what the
-/// linearised one has (the ratio of trust-region methods: Nocedal and Wright, *Numerical Optimization*, 2006, (4.4)).
-/// With less, a sheet that falls on a ball gains energy (`cloth-bench/doc/results.md`); with more it is linearised more
-/// often for the same fall.
-const KEPT: Real = 0.75;
-/// Linearisations in a step, at most.
-const MOST_LINEARIZATIONS: u32 = 8;
 
 /// Fraction of a direction below which one step length for all vertices is given up for one each.
 const STALLED: Real = 0.01;
@@ -163,9 +158,7 @@ impl Minimizer {
         let mut report = StepReport::new(Outcome::Converged, 0);
         let is_alone = contact.is_none();
         if task.config.solve == Solve::Linearized {
-            if is_alone {
-                newton::solve_once(self, task, observer, &mut report)?;
-            } else {
+            if !self.solve_apart(task, &mut observer, &mut contact, &mut report)? {
                 self.minimize_linearized(task, &mut observer, &mut contact, &mut report)?;
             }
             return Ok(report);
@@ -215,74 +208,11 @@ impl Minimizer {
         }
     }
 
-    /// Minimises what the linearised cloth and contact make together; linearised anew where that ends, until the
-    /// function of the stage itself has gone down by [`KEPT`] of what the linearised one promised.
-    fn minimize_linearized(
-        &mut self,
-        task: &Task<'_>,
-        observer: &mut Option<&mut dyn Observer>,
-        contact: &mut Contact<'_>,
-        report: &mut StepReport,
-    ) -> Result<(), StepError> {
-        let mut before = self.value_here(&with(task, contact));
-        for _ in 0..MOST_LINEARIZATIONS {
-            let promised = self.minimize_linear_cloth(task, observer, contact, report)?;
-            let after = self.value_here(&with(task, contact));
-            let is_little =
-                -2.0 * promised <= self.close_enough(task, task.config.tolerance).powi(2);
-            if is_little || after - before <= KEPT * promised {
-                return Ok(());
-            }
-            before = after;
+    /// Shows an observer where an iteration has come to.
+    fn tell(&self, observer: &mut Option<&mut dyn Observer>, iteration: u32) {
+        if let Some(observer) = observer.as_deref_mut() {
+            observer.iteration(iteration, &self.current.positions);
         }
-        report.outcome = Outcome::BudgetSpent;
-        Ok(())
-    }
-
-    /// The function of a stage (J) at the current positions.
-    fn value_here(&mut self, stage: &Stage<'_>) -> Real {
-        stage.gradient_into(&self.current.positions, &mut self.next.gradient)
-    }
-
-    /// Minimises what the cloth linearised at the current positions and contact make together. Returns by how much (J,
-    /// negative) that has changed.
-    fn minimize_linear_cloth(
-        &mut self,
-        task: &Task<'_>,
-        observer: &mut Option<&mut dyn Observer>,
-        contact: &mut Contact<'_>,
-        report: &mut StepReport,
-    ) -> Result<Real, StepError> {
-        self.current.evaluate(&task.stage);
-        self.gradient_norm(task)?;
-        let mut system = self.newton.take().expect("built with the solver");
-        let prepared = newton::prepare(self, &mut system, task, report);
-        let (mut at, mut way) = self.linearized.take().unwrap_or_default();
-        at.positions.clone_from(&self.current.positions);
-        at.gradient.clone_from(&self.current.gradient);
-        way.resize(self.is_free.len(), Vec3::zeros());
-        let linearized = Linearized::new(&at, system.matrix(), way);
-        let linear = Task {
-            stage: Stage {
-                linearized: Some(&linearized),
-                ..task.stage
-            },
-            ..*task
-        };
-        let end = prepared.and_then(|()| {
-            if self.quasi_newton.is_none() {
-                let energies = task.stage.potential.energies;
-                self.quasi_newton = Some(QuasiNewton::new(energies, self.is_free.clone()));
-            }
-            let end = self.descend(&linear, contact, observer, report)?;
-            Ok((end, self.value_here(&with(&linear, contact)) - self.first))
-        });
-        let way = linearized.into_room();
-        self.linearized = Some((at, way));
-        self.newton = Some(system);
-        let (end, change) = end?;
-        report.outcome = end.outcome();
-        Ok(change)
     }
 
     /// The quasi-Newton method from the current positions on: evaluates them, iterates, and puts momentum right.
@@ -427,9 +357,7 @@ impl Minimizer {
             let (from, to) = (&self.current.gradient, &self.next.gradient);
             method.remember(found.length, &self.direction, from, to);
             std::mem::swap(&mut self.current, &mut self.next);
-            if let Some(observer) = observer.as_deref_mut() {
-                observer.iteration(report.iterations, &self.current.positions);
-            }
+            self.tell(observer, report.iterations);
         }
     }
 

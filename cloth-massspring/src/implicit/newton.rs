@@ -88,7 +88,6 @@ pub(super) fn iterate(
 pub(super) fn solve_once(
     points: &mut Minimizer,
     task: &Task<'_>,
-    observer: Option<&mut dyn Observer>,
     report: &mut StepReport,
 ) -> Result<(), StepError> {
     with_system(points, |points, system| {
@@ -106,9 +105,6 @@ pub(super) fn solve_once(
         }
         // What an iterative solver left of it.
         system.settle_momentum(stage, &mut points.current);
-        if let Some(observer) = observer {
-            observer.iteration(1, &points.current.positions);
-        }
         Ok(())
     })
 }

@@ -115,11 +115,17 @@ impl Family for Springs {
         let mut power = 0.0;
         for (pack, memory) in self.packs.elements().iter().zip(&self.memory) {
             let lambdas = memory.lambda.to_array();
+            let compliances = memory.scaled_compliance.to_array();
             for (i, lambda) in lambdas.into_iter().enumerate() {
                 let ends = [pack.vertices[i], pack.vertices[i + 4]];
                 let [a, b] = ends.map(|end| &x[end as usize]);
                 // Padding has no velocity.
-                if lambda == 0.0 || !(is_prescribed(a) || is_prescribed(b)) {
+                let held = [a, b].map(|x| is_prescribed(x));
+                if lambda == 0.0 || held == [false, false] {
+                    continue;
+                }
+                // Without compliance between two prescribed ends no force is found, however large λ.
+                if held == [true, true] && compliances[i] == 0.0 {
                     continue;
                 }
                 let d = (*a - *b).to_array();

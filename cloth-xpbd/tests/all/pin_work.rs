@@ -116,3 +116,32 @@ fn pins_that_stand_still_do_no_work() {
     let input = StepInput::new(1.0 / 60.0).gravity(Vec3::new(0.0, -9.81, 0.0));
     assert_eq!(solver.step(&mut state, input).unwrap().pin_work, Some(0.0));
 }
+
+/// No force is found between two pins that a rigid spring ties, however they move.
+#[test]
+fn pins_that_a_rigid_spring_ties_do_no_work_in_either_precision() {
+    let mut particles = Particles::new(vec![MASS; 2]).unwrap();
+    particles.prescribe(0).unwrap();
+    particles.prescribe(1).unwrap();
+    let spring = Spring {
+        vertices: [0, 1],
+        rest_length: 0.1,
+        stiffness: Real::INFINITY,
+    };
+    let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::x() * 0.1]);
+    state.velocities[0] = VELOCITY;
+    let mut double = XpbdSolver::builder(&particles)
+        .energy(vec![spring])
+        .build()
+        .unwrap();
+    let mut single = SingleXpbd::builder(&particles)
+        .springs(&[spring])
+        .build()
+        .unwrap();
+    let solvers: [&mut dyn Stepper; 2] = [&mut double, &mut single];
+    for solver in solvers {
+        let mut state = state.clone();
+        let report = solver.step(&mut state, StepInput::new(1.0 / 60.0)).unwrap();
+        assert_eq!(report.pin_work, Some(0.0));
+    }
+}

@@ -1,0 +1,119 @@
+//! A step that linearises the cloth, in contact.
+
+use super::*;
+
+/// A step whose cloth is linearised is good enough once the true function has gone down by this part of what the
+/// linearised one has (the ratio of trust-region methods: Nocedal and Wright, *Numerical Optimization*, 2006, (4.4)).
+/// With less, a sheet that falls on a ball gains energy (`cloth-bench/doc/results.md`); with more it is linearised more
+/// often for the same fall.
+const KEPT: Real = 0.75;
+/// Linearisations in a step, at most.
+const MOST_LINEARIZATIONS: u32 = 8;
+
+impl Minimizer {
+    /// Solves the linearised step as if nothing could touch. Returns whether that is the step: contact presses neither
+    /// where it begins nor where it ends, and nothing is in between. Else nothing has moved.
+    pub(super) fn solve_apart(
+        &mut self,
+        task: &Task<'_>,
+        observer: &mut Option<&mut dyn Observer>,
+        contact: &mut Contact<'_>,
+        report: &mut StepReport,
+    ) -> Result<bool, StepError> {
+        let Some(source) = contact else {
+            newton::solve_once(self, task, report)?;
+            self.tell(observer, 1);
+            return Ok(true);
+        };
+        self.next.gradient.fill(Vec3::zeros());
+        if source.add_gradient(&self.current.positions, &mut self.next.gradient) != 0.0 {
+            return Ok(false);
+        }
+        let mut start = std::mem::take(&mut self.shortened);
+        start.clone_from(&self.current.positions);
+        let solved = newton::solve_once(self, task, report);
+        let end = &self.current.positions;
+        let step = task.step;
+        let is_apart = solved.and_then(|()| {
+            let limited = source.limit(&start, end);
+            let safe = limited.map_err(|reason| StepError::Contact { reason, step })?;
+            Ok(safe == 1.0 && source.add_gradient(end, &mut self.next.gradient) == 0.0)
+        });
+        match is_apart {
+            Ok(true) => self.tell(observer, 1),
+            _ => self.current.positions.copy_from_slice(&start),
+        }
+        self.shortened = start;
+        is_apart
+    }
+
+    /// Minimises what the linearised cloth and contact make together; linearised anew where that ends, until the
+    /// function of the stage itself has gone down by [`KEPT`] of what the linearised one promised.
+    pub(super) fn minimize_linearized(
+        &mut self,
+        task: &Task<'_>,
+        observer: &mut Option<&mut dyn Observer>,
+        contact: &mut Contact<'_>,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        let mut before = self.value_here(&with(task, contact));
+        for _ in 0..MOST_LINEARIZATIONS {
+            let promised = self.minimize_linear_cloth(task, observer, contact, report)?;
+            let after = self.value_here(&with(task, contact));
+            let is_little =
+                -2.0 * promised <= self.close_enough(task, task.config.tolerance).powi(2);
+            if is_little || after - before <= KEPT * promised {
+                return Ok(());
+            }
+            before = after;
+        }
+        report.outcome = Outcome::BudgetSpent;
+        Ok(())
+    }
+
+    /// The function of a stage (J) at the current positions.
+    fn value_here(&mut self, stage: &Stage<'_>) -> Real {
+        stage.gradient_into(&self.current.positions, &mut self.next.gradient)
+    }
+
+    /// Minimises what the cloth linearised at the current positions and contact make together. Returns by how much (J,
+    /// negative) that has changed.
+    fn minimize_linear_cloth(
+        &mut self,
+        task: &Task<'_>,
+        observer: &mut Option<&mut dyn Observer>,
+        contact: &mut Contact<'_>,
+        report: &mut StepReport,
+    ) -> Result<Real, StepError> {
+        self.current.evaluate(&task.stage);
+        self.gradient_norm(task)?;
+        let mut system = self.newton.take().expect("built with the solver");
+        let prepared = newton::prepare(self, &mut system, task, report);
+        let (mut at, mut way) = self.linearized.take().unwrap_or_default();
+        at.positions.clone_from(&self.current.positions);
+        at.gradient.clone_from(&self.current.gradient);
+        way.resize(self.is_free.len(), Vec3::zeros());
+        let linearized = Linearized::new(&at, system.matrix(), way);
+        let linear = Task {
+            stage: Stage {
+                linearized: Some(&linearized),
+                ..task.stage
+            },
+            ..*task
+        };
+        let end = prepared.and_then(|()| {
+            if self.quasi_newton.is_none() {
+                let energies = task.stage.potential.energies;
+                self.quasi_newton = Some(QuasiNewton::new(energies, self.is_free.clone()));
+            }
+            let end = self.descend(&linear, contact, observer, report)?;
+            Ok((end, self.value_here(&with(&linear, contact)) - self.first))
+        });
+        let way = linearized.into_room();
+        self.linearized = Some((at, way));
+        self.newton = Some(system);
+        let (end, change) = end?;
+        report.outcome = end.outcome();
+        Ok(change)
+    }
+}
