@@ -23,6 +23,7 @@
 //! | φ = ‖max(\|x\| − b, 0)‖ outside, the largest of \|xᵢ\| − bᵢ inside | [`Cuboid`] |
 //! | φ = ‖x − s‖ − r, s the nearest point of a segment | [`Capsule`] |
 //! | φ = ±min over triangles, the sign from angle-weighted normals | [`ClosedMesh`] |
+//! | Σ ψ(d) over triangles − edges + vertices, in place of ψ(φ) | [`SignedDistance::each_part`] |
 //! | φ = Σ wᵢ φᵢ over the eight corners of a cell | [`SampledDistance`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
@@ -116,6 +117,14 @@ impl Distance {
 pub trait SignedDistance: Debug + Send + Sync {
     /// Signed distance (m), normal and slope at `point` (m), which has to be finite.
     fn signed_distance(&self, point: Vec3) -> Distance;
+
+    /// Hands `visit` distances d and weights w (dimensionless) of which Σ w ψ(d) is ψ(φ) wherever one point of the
+    /// surface is nearest, and continuously differentiable outside, for any ψ that is and vanishes from `range` (m) on.
+    /// By default φ alone, which is right for convex shapes.
+    fn each_part(&self, point: Vec3, range: Real, visit: &mut dyn FnMut(Distance, Real)) {
+        let _ = range;
+        visit(self.signed_distance(point), 1.0);
+    }
 
     /// How much φ can change per m of displacement (dimensionless): 1 for a distance.
     fn lipschitz(&self) -> Real {

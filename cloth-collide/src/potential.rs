@@ -283,6 +283,7 @@ pub(crate) mod let_go;
 mod mollifier;
 mod near;
 mod near_pairs;
+mod obstacle_contact;
 mod pair;
 mod patches;
 mod quiet;

@@ -1,5 +1,7 @@
 //! The inside of a closed mesh.
 
+mod creases;
+
 use super::{Distance, ObstacleError, SignedDistance};
 use crate::bounds::Bounds;
 use crate::closest::{PointTriangle, point_triangle};
@@ -20,6 +22,10 @@ use std::fmt;
 /// of the normals around a vertex, and the sum of both normals at an edge, never do (Bærentzen and Aanæs 2005). With
 /// that, the sign is right wherever the distance is more than rounding.
 ///
+/// In a crease, an edge whose sides meet at less than 180° outside, two triangles are nearest and the gradient of φ
+/// jumps. What minimises an energy of φ comes to rest in just these places, and would go from side to side without end;
+/// so such energies take [`SignedDistance::each_part`].
+///
 /// The mesh is checked once: closed, two triangles at each edge, consistent winding, outward normals, not through
 /// itself.
 pub struct ClosedMesh {
@@ -32,6 +38,8 @@ pub struct ClosedMesh {
     edges: Vec<[Vec3; 3]>,
     /// Outward direction at each vertex; not of unit length.
     vertices: Vec<Vec3>,
+    /// Of each vertex, 1 over the number of triangles around it; none if the body is convex.
+    shares: Vec<Real>,
     bounds: Bounds,
 }
 
@@ -65,7 +73,12 @@ impl ClosedMesh {
             }
         }
         let leaves: Vec<_> = corners().map(|x| aabb(&Bounds::around(x))).collect();
+        let shares = match creases::is_convex(mesh, &table, &faces) {
+            true => Vec::new(),
+            false => creases::shares(mesh),
+        };
         Ok(Self {
+            shares,
             tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
             bounds: Bounds::of(&positions),
             positions,
@@ -121,6 +134,15 @@ impl SignedDistance for ClosedMesh {
             outward.normalize()
         };
         Distance::exact(side * distance, normal)
+    }
+
+    fn each_part(&self, point: Vec3, range: Real, visit: &mut dyn FnMut(Distance, Real)) {
+        let nearest = self.signed_distance(point);
+        if self.shares.is_empty() || nearest.value <= 0.0 || nearest.value >= range {
+            visit(nearest, 1.0);
+        } else {
+            self.each_part_outside(point, range, visit);
+        }
     }
 
     fn bounds(&self) -> Option<Bounds> {

@@ -100,6 +100,16 @@ impl Obstacle {
         }
     }
 
+    /// [`SignedDistance::each_part`] at `point` (m) of the world, at time 0.
+    pub fn each_part(&self, point: Vec3, range: Real, visit: &mut dyn FnMut(Distance, Real)) {
+        let pose = self.motion.pose;
+        let local = pose.to_local(point);
+        self.shape.each_part(local, range, &mut |at, weight| {
+            let normal = pose.orientation * at.normal;
+            visit(Distance { normal, ..at }, weight);
+        });
+    }
+
     /// Velocity (m/s) of the body at `point` (m), after `time` (s).
     #[must_use]
     pub fn velocity_at(&self, point: Vec3, time: Real) -> Vec3 {

@@ -171,7 +171,7 @@ impl Contacts {
         let arm = |v: usize, number: usize| x[v] - self.bodies[number].0.motion().pose.position;
         for contact in self.obstacle_contacts(x) {
             let (v, number) = (contact.vertex, contact.number);
-            let forces = [-contact.gradient(), Vec3::zeros()];
+            let forces = [-contact.value_and_gradient().1, Vec3::zeros()];
             ledger.add_obstacle([v, number], forces, arm(v, number));
         }
         let reach = self.reach();

@@ -8,10 +8,11 @@ use super::friction::{ALONE, Key, Sticking, Stretched};
 use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
+use super::obstacle_contact::ObstacleContact;
 use super::rows::Rows;
 use super::stops::Stops;
 use crate::bounds::mean;
-use crate::obstacle::{Distance, Obstacle, PenaltyLaw};
+use crate::obstacle::Obstacle;
 use crate::pair::{Gap, weighted};
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactStep,
@@ -68,23 +69,6 @@ pub(super) struct Contacts {
     pub(super) energy: Real,
     /// Vertices that the last step has held back.
     pub(super) held: usize,
-}
-
-/// A vertex before an obstacle.
-pub(super) struct ObstacleContact {
-    pub(super) vertex: usize,
-    pub(super) number: usize,
-    at: Distance,
-    /// Area (m²) that the vertex stands for, and its law.
-    area: Real,
-    law: PenaltyLaw,
-}
-
-impl ObstacleContact {
-    /// ∂E/∂x (N).
-    pub(super) fn gradient(&self) -> Vec3 {
-        self.at.gradient() * (self.area * self.law.slope(self.at.value))
-    }
 }
 
 impl Contacts {
@@ -232,10 +216,9 @@ impl ContactPotential for Contacts {
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
         let mut sum = self.pair_gradients(x, |vertex, g| out[vertex] += g);
         for contact in self.obstacle_contacts(x) {
-            if contact.at.value < contact.law.range() {
-                sum += contact.area * contact.law.energy(contact.at.value);
-                out[contact.vertex] += contact.gradient();
-            }
+            let (value, gradient) = contact.value_and_gradient();
+            sum += value;
+            out[contact.vertex] += gradient;
         }
         let reach = self.reach();
         for sticking in &self.sticking {
@@ -264,16 +247,10 @@ impl ContactPotential for Contacts {
                 push(near.pair.vertices, gap.weights, gap.normal, stiffness);
             }
         }
-        for ObstacleContact {
-            vertex,
-            at,
-            area,
-            law,
-            ..
-        } in self.obstacle_contacts(x)
-        {
-            let stiffness = area * law.curvature(at.value) * at.slope * at.slope;
-            push([vertex as u32; 4], ALONE, at.normal, stiffness);
+        for contact in self.obstacle_contacts(x) {
+            contact.each_stiffness(|normal, stiffness| {
+                push([contact.vertex as u32; 4], ALONE, normal, stiffness);
+            });
         }
         let reach = self.reach();
         let sticking = self.sticking.iter();
@@ -395,8 +372,9 @@ impl Contacts {
                 if known >= near.law.range() {
                     continue;
                 }
-                let at = before.signed_distance(*place, 0.0);
-                let force = -near.vertex_area[v] * near.law_at(v).slope(at.value) * at.slope;
+                let contact = near.before(before, [v, number as usize], *place);
+                let (_, gradient) = contact.value_and_gradient();
+                let force = gradient.norm();
                 if force > 0.0 {
                     let key = Key::Obstacle([vertex, number]);
                     let moved = after.motion().pose;
@@ -405,7 +383,7 @@ impl Contacts {
                         key,
                         vertices: [vertex; 4],
                         weights: ALONE,
-                        normal: at.normal,
+                        normal: gradient / -force,
                         most: near.friction_on(v, *friction) * force,
                         origin: moved - stretched.of(key),
                     });
@@ -434,16 +412,11 @@ impl Contacts {
     pub(super) fn obstacle_contacts<'a>(
         &'a self,
         x: &'a [Vec3],
-    ) -> impl Iterator<Item = ObstacleContact> + 'a {
+    ) -> impl Iterator<Item = ObstacleContact<'a>> + 'a {
         self.pairs.vertex_obstacle.iter().map(move |pair| {
             let [vertex, number] = pair.map(|n| n as usize);
-            ObstacleContact {
-                vertex,
-                number,
-                at: self.still[number].signed_distance(x[vertex], 0.0),
-                area: self.near.vertex_area[vertex],
-                law: self.near.law_at(vertex),
-            }
+            let place = x[vertex];
+            self.near.before(&self.still[number], [vertex, number], place)
         })
     }
 
@@ -477,7 +450,7 @@ impl Contacts {
             let (v, number) = (contact.vertex, contact.number);
             let local = self.still[number].motion().pose.to_local(x[v]);
             let displacement = x[v] - self.before[number].motion().pose.to_world(local);
-            let mut whole = -contact.gradient();
+            let mut whole = -contact.value_and_gradient().1;
             let key = Key::Obstacle([v as u32, number as u32]);
             for sticking in self.sticking.iter().filter(|sticking| sticking.key == key) {
                 let u = sticking.displacement(x);

@@ -1,0 +1,112 @@
+//! The distances of a body that is not convex, for energies that have to be continuously differentiable.
+//!
+//! Let d(P) be the distance from the part P of the surface, a triangle, an edge or a vertex. Each is convex, so d(P) has
+//! a continuous gradient outside of it, and so has
+//!
+//! Σ over triangles ψ(d) − Σ over edges ψ(d) + Σ over vertices ψ(d)
+//!
+//! for every ψ that has one (M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang and D. M.
+//! Kaufman, "Convergent incremental potential contact", 2023, <https://arxiv.org/abs/2307.15908>). Where the surface is
+//! convex or flat as far as the range of ψ, this is ψ of the distance: triangles that are nearest at one of their edges
+//! cancel against the edge, all but one, and around a vertex with n triangles n − n + 1 are left. In a crease both sides
+//! count, and so do two sides of a gap.
+
+use super::ClosedMesh;
+use crate::bounds::Bounds;
+use crate::closest::{PointTriangle, nearest_on_segment, point_triangle};
+use crate::convert::aabb;
+use crate::incidence::{ends, joined};
+use crate::obstacle::Distance;
+use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::mesh::TriMesh;
+use cloth_core::topology::EdgeTable;
+
+/// A triangle this part of the size of a body above the plane of its neighbour makes a crease.
+const ABOVE: Real = 1e-9;
+
+/// Whether the surface, which is closed and does not pass through itself, is that of a convex body: in one piece, and
+/// without a crease.
+pub(super) fn is_convex(mesh: &TriMesh, table: &EdgeTable, faces: &[Vec3]) -> bool {
+    let pieces = joined(mesh.vertex_count(), table.ends());
+    if pieces.iter().any(|&piece| piece != pieces[0]) {
+        return false;
+    }
+    let size = Bounds::of(mesh.positions()).size();
+    let is_crease = |(&[a, b], &[end, _]): (&[u32; 2], &[u32; 2])| {
+        let start = mesh.positions()[end as usize];
+        let other = gather(mesh.positions(), mesh.triangles()[b as usize]);
+        let heights = other.map(|x| faces[a as usize].dot(&(x - start)));
+        heights.iter().any(|&height| height > ABOVE * size)
+    };
+    !table.sides().iter().zip(table.ends()).any(is_crease)
+}
+
+/// Of each vertex, 1 over the number of triangles around it.
+pub(super) fn shares(mesh: &TriMesh) -> Vec<Real> {
+    let mut counts = vec![0.0; mesh.vertex_count()];
+    let corners = mesh.triangles().iter().flatten();
+    corners.for_each(|&vertex| counts[vertex as usize] += 1.0);
+    counts.into_iter().map(|count: Real| 1.0 / count).collect()
+}
+
+impl ClosedMesh {
+    /// The sum above with half of an edge, and its part of a vertex, for each of the triangles around; what cancels
+    /// within one triangle is left out. The point (m) is outside.
+    pub(super) fn each_part_outside(
+        &self,
+        point: Vec3,
+        range: Real,
+        visit: &mut dyn FnMut(Distance, Real),
+    ) {
+        let reach = Vec3::repeat(range);
+        let around = aabb(&Bounds {
+            lower: point - reach,
+            upper: point + reach,
+        });
+        for t in self.tree.intersect_aabb(&around) {
+            let corners = self.triangles[t as usize];
+            let x = gather(&self.positions, corners);
+            let nearest = point_triangle(point, x);
+            if nearest.distance() >= range {
+                continue;
+            }
+            // Three corners, three edges from corner k to the next one, and the triangle.
+            let mut weights = [0.0; 7];
+            let mut separations = [nearest.separation; 7];
+            weights[feature(&nearest)] += 1.0;
+            for k in 0..3 {
+                let [a, b] = ends(k);
+                let (d, edge) = (point - x[a], x[b] - x[a]);
+                let s = nearest_on_segment(d, edge);
+                separations[3 + k] = d - edge * s;
+                let part = match s {
+                    0.0 => a,
+                    1.0 => b,
+                    _ => 3 + k,
+                };
+                weights[part] -= 0.5;
+                separations[k] = d;
+                weights[k] += self.shares[corners[k] as usize];
+            }
+            for (weight, separation) in weights.into_iter().zip(separations) {
+                let distance = separation.norm();
+                if weight != 0.0 && distance < range && distance > 0.0 {
+                    visit(Distance::exact(distance, separation / distance), weight);
+                }
+            }
+        }
+    }
+}
+
+/// Where on its triangle the nearest point is: a corner, an edge or inside, as the weights are numbered above.
+fn feature(nearest: &PointTriangle) -> usize {
+    match nearest.weights.map(|weight| weight > 0.0) {
+        [true, false, false] => 0,
+        [false, true, false] => 1,
+        [false, false, true] => 2,
+        [true, true, false] => 3,
+        [false, true, true] => 4,
+        [true, false, true] => 5,
+        _ => 6,
+    }
+}
