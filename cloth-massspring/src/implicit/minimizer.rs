@@ -1,5 +1,6 @@
 //! The minimisation of one stage: which method begins, when it is done, and which takes over.
 
+mod extension;
 mod linearized_step;
 
 use super::line_search::{self, Point};
@@ -48,6 +49,8 @@ const RADIUS_GROWTH: Real = 4.0;
 pub(super) struct Minimizer {
     pub(super) current: Point,
     pub(super) next: Point,
+    /// Beyond the next; with contact only.
+    farther: Option<Point>,
     pub(super) direction: Vec<Vec3>,
     /// Norm of the forces that the current point asks for (N/√kg), as the potential's `inertial_norm` says: what the
     /// gradient is compared with.
@@ -108,6 +111,7 @@ impl Minimizer {
         Ok(Self {
             current: Point::new(count),
             next: Point::new(count),
+            farther: None,
             direction: vec![Vec3::zeros(); count],
             forces: 0.0,
             first: 0.0,
@@ -354,8 +358,12 @@ impl Minimizer {
             if found.length < LOST && norm <= STALL * rounding {
                 return Ok(End::Done(Outcome::Converged));
             }
+            let length = match found.length {
+                1.0 => self.extend(task, contact, slope)?,
+                shorter => shorter,
+            };
             let (from, to) = (&self.current.gradient, &self.next.gradient);
-            method.remember(found.length, &self.direction, from, to);
+            method.remember(length, &self.direction, from, to);
             std::mem::swap(&mut self.current, &mut self.next);
             self.tell(observer, report.iterations);
         }

@@ -1,0 +1,67 @@
+//! Steps longer than the model of `G` says.
+//!
+//! The matrix of a direction is made positive, and is too stiff where cloth buckles: along the ways out of a fold the
+//! true curvature is small or negative, and whole steps there are many and short. The slope at the end of one tells. If
+//! a large part of it is left, the secant through both slopes says where it would be zero, and one more step along the
+//! same direction goes there: it costs a look at contact and an evaluation, and no solve.
+
+use super::{Contact, Minimizer, Task, with};
+use crate::implicit::line_search::{self, Point};
+use cloth_core::contact::ContactError;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::method::vectors::dot;
+use cloth_core::step::StepError;
+
+/// Part of the slope that has to be left.
+const LEFT: Real = 0.5;
+/// How many times the direction a step may go beyond it.
+const FARTHEST: Real = 4.0;
+/// A step is not taken if contact leaves less than this part of it.
+const CUT: Real = 0.2;
+
+impl Minimizer {
+    /// Takes the next point, which is at the end of the direction, farther along it in contact, if `G` falls there.
+    /// `slope` (J) is that of the current point. Returns how many times the direction it is away.
+    pub(super) fn extend(
+        &mut self,
+        task: &Task<'_>,
+        contact: &mut Contact<'_>,
+        slope: Real,
+    ) -> Result<Real, StepError> {
+        let Some(source) = contact.as_deref_mut() else {
+            return Ok(1.0);
+        };
+        let left = dot(&self.next.gradient, &self.direction);
+        if left > LEFT * slope {
+            return Ok(1.0);
+        }
+        // Zero of the secant; where the slope has grown there is none ahead.
+        let part = match left > slope {
+            true => (left / (slope - left)).min(FARTHEST),
+            false => FARTHEST,
+        };
+        let count = self.next.positions.len();
+        let farther = self.farther.get_or_insert_with(|| Point::new(count));
+        let ways = self.next.positions.iter().zip(&self.direction);
+        let ends = farther.positions.iter_mut().zip(ways);
+        ends.for_each(|(to, (x, p))| *to = x + p * part);
+        let safe = source.limit(&self.next.positions, &farther.positions);
+        let failed = |reason: ContactError| StepError::Contact {
+            reason,
+            step: task.step,
+        };
+        let safe = safe.map_err(failed)?;
+        if safe < CUT {
+            return Ok(1.0);
+        }
+        let stage = with(task, contact);
+        let direction: &[Vec3] = &self.direction;
+        let found =
+            line_search::search(&stage, &self.next, direction, left, part * safe, farther);
+        if !found.accepted {
+            return Ok(1.0);
+        }
+        std::mem::swap(&mut self.next, farther);
+        Ok(1.0 + found.length)
+    }
+}
