@@ -24,7 +24,7 @@
 //! | φ = ‖x − s‖ − r, s the nearest point of a segment | [`Capsule`] |
 //! | φ = ±min over triangles, the sign from angle-weighted normals | [`ClosedMesh`] |
 //! | Σ ψ(d) over triangles − edges + vertices, in place of ψ(φ) | [`SignedDistance::each_part`] |
-//! | φ = Σ wᵢ φᵢ over the eight corners of a cell | [`SampledDistance`] |
+//! | φ = Σ wᵢ φᵢ over the 27 nodes around, a quadratic B-spline | [`SampledDistance`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
 //! | v = P/m + g Δt, ω = J⁻¹ L, P ← P + m g Δt + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |

@@ -18,6 +18,11 @@
 //! This leaves far fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three
 //! times as long.
 //!
+//! Before a body with creases ([`SignedDistance::each_part`]) E is the sum over all parts of its surface within h,
+//! triangles less edges plus vertices: ψ(φ) wherever one point is nearest, and the push of both sides in a crease. By φ
+//! alone the gradient of E would jump there, just where cloth comes to rest, and no iteration on E would end. Methods
+//! that project take φ, and go from side to side within a sweep.
+//!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ. Without A ψ′ ∂²d, even Newton's iteration converges no faster than linearly where contact points slide or the
 //! normal turns; [`PairContact`] has it, and compares keeping, projecting and dropping it. Before a method moves the
@@ -175,6 +180,7 @@
 //! | μ λ f(‖u‖) and its force μ λ f′(‖u‖) u/‖u‖ | `Sticking::add_gradient`, in `friction` |
 //! | its Hessian, along u/‖u‖ and n × u/‖u‖ | `Sticking::rows`, in `friction` |
 //! | ‖f‖ ≤ μ λ of a constraint, in each sweep | `RowState::project`, in `tangent` |
+//! | Σ w ψ(d) of a vertex before a body, and its derivatives | `ObstacleContact`, in `obstacle_contact` |
 //! | which pairs can be near on a path | `near_pairs`, `sleeping` |
 //! | bodies behind the cloth | `surfaces` |
 //! | P ← P + m g Δt + ∫f dt of bodies that the cloth pushes | `free` |
@@ -308,4 +314,4 @@ pub use report::ConstraintReport;
 pub use surfaces::PotentialContacts;
 
 #[cfg(doc)]
-use crate::obstacle::PenaltyLaw;
+use crate::obstacle::{PenaltyLaw, SignedDistance};

@@ -7,6 +7,7 @@ mod ccd;
 mod changes;
 mod cli;
 mod commands;
+mod creases;
 mod crumpled;
 mod energy;
 mod error;

@@ -416,7 +416,8 @@ impl Contacts {
         self.pairs.vertex_obstacle.iter().map(move |pair| {
             let [vertex, number] = pair.map(|n| n as usize);
             let place = x[vertex];
-            self.near.before(&self.still[number], [vertex, number], place)
+            self.near
+                .before(&self.still[number], [vertex, number], place)
         })
     }
 

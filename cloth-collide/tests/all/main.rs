@@ -9,6 +9,7 @@ mod contact_laws;
 mod contact_memory;
 #[path = "../../../cloth-core/tests/support/counting_allocator.rs"]
 mod counting_allocator;
+mod creases;
 mod edges_matter;
 mod first_contact;
 mod garments;

@@ -56,8 +56,7 @@ impl Minimizer {
         }
         let stage = with(task, contact);
         let direction: &[Vec3] = &self.direction;
-        let found =
-            line_search::search(&stage, &self.next, direction, left, part * safe, farther);
+        let found = line_search::search(&stage, &self.next, direction, left, part * safe, farther);
         if !found.accepted {
             return Ok(1.0);
         }
