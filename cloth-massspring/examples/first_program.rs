@@ -22,7 +22,7 @@ fn objective(x: &[Vec3], predicted: &[Vec3], mass: &[f64], springs: &[Spring]) -
 }
 
 /// `∇G` (N) and its positive definite second derivative (N/m), dense; rows of prescribed vertices are those of the
-/// identity.
+/// identity. Their columns are left as they are: their displacements are 0, and with these the answer is the same.
 fn derivatives(
     x: &[Vec3],
     predicted: &[Vec3],

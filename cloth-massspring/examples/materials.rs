@@ -29,12 +29,12 @@ struct Cost {
 /// A sheet of 1 m × 1 m, held by two corners, falls from the horizontal.
 fn hang(cloth: Cloth, law: SpringLaw, side: usize, dt: Real, steps: u32) -> Cost {
     let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).expect("a valid grid");
-    let carriers = Discretization {
+    let discretization = Discretization {
         law,
         ..Discretization::default()
     };
     let mut model = cloth
-        .discretized_with(&carriers, &mesh)
+        .discretized_with(&discretization, &mesh)
         .expect("a valid cloth");
     for corner in [side * (side - 1), side * side - 1] {
         model.particles.prescribe(corner).expect("a vertex");

@@ -2,6 +2,8 @@
 //!
 //! A sheet of 1 m × 1 m hangs from two corners and swings down for half a second. What it loses in height appears as
 //! motion and stretch, or it is lost by the method. Forward Euler ends when it has gained too much.
+//!
+//! `cargo run --release -p cloth-massspring --example three_integrators`
 
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
 use cloth_core::math::{Real, Vec3};

@@ -108,13 +108,13 @@ pub enum Solve {
     Newton,
     /// One Newton step of full length from the start guess: the forces linearised there, and one linear system.
     /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed, unless
-    /// something is touched: contact is not linearised, and takes iterations to the tolerance; the cloth is linearised again where
-    /// that ends if `G` has not gone down as promised.
+    /// something is touched: contact is not linearised, and takes iterations to the tolerance; the cloth is linearised
+    /// again where that ends if `G` has not gone down as promised.
     ///
     /// The cheapest implicit step there is. It integrates linear forces like the full solution. Otherwise its error is
-    /// of the order of the integrator's own, the second order of midpoint and BDF2 only where the Hessian is exact or
-    /// no spring is compressed; but nothing guarantees that the energy goes down: a step that turns a stiff spring by a
-    /// large angle stretches it, and the next one starts from there.
+    /// of the order of the integrator's own; midpoint and BDF2 keep their second order where the Hessian is exact or no
+    /// spring is compressed, and are of first order elsewhere. Nothing guarantees that the energy goes down: a step
+    /// that turns a stiff spring by a large angle stretches it, and the next one starts from there.
     Linearized,
 }
 
@@ -156,9 +156,10 @@ pub enum StartGuess {
     Previous,
     /// `x[0] + Δt v[0]`.
     Inertial,
-    /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`: half of what the last step changed once more, which turns the velocity
-    /// along with the cloth. The same as `Inertial` in a step that does not continue another of the same size, and for
-    /// the midpoint rule, whose velocities may ring.
+    /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`, for BDF2 with `x_b`, `v_b` and τ in the place of `x[0]`, `v[0]` and Δt:
+    /// half of what the last step changed once more, which turns the velocity along with the cloth. The same as
+    /// `Inertial` in a step that does not continue another of the same size, and for the midpoint rule, whose
+    /// velocities may ring.
     #[default]
     Extrapolated,
     /// `x̃ = x[0] + Δt v[0] + Δt² a`, with gravity and load.

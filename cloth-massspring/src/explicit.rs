@@ -134,6 +134,8 @@ struct Explicit {
     rate: Vec<Vec3>,
     /// Positions (m) before a substep; empty while no contact is felt.
     start: Vec<Vec3>,
+    /// Start and end (s) of the last substep.
+    last: [Real; 2],
     projection: Projection,
     monitor: Option<StabilityMonitor>,
 }
@@ -154,6 +156,7 @@ impl Explicit {
             velocities: zeros.clone(),
             gradient: zeros,
             start: Vec::new(),
+            last: [Real::NAN; 2],
             projection: Projection::default(),
             monitor,
         }
@@ -185,10 +188,14 @@ impl Explicit {
         }
         let substeps = self.model.config.substeps;
         let mut pin_work = 0.0;
+        if self.last[1] == state.time {
+            self.model.energies.set_time(self.last[0]);
+        }
         for substep in 1..=substeps {
             let part = |number: u32| dt * Real::from(number) / Real::from(substeps);
             let times = [substep - 1, substep].map(|number| state.time + part(number));
             let work = self.set_time(times);
+            self.last = times;
             match self.substep(&mut input, work) {
                 Ok(balance) => pin_work += balance.pin_work,
                 Err(failure) => return Err(self.report(failure, &input, step)),
@@ -208,6 +215,7 @@ impl Explicit {
         std::mem::swap(&mut state.positions, &mut self.positions);
         std::mem::swap(&mut state.velocities, &mut self.velocities);
         state.time += input.dt;
+        self.last[1] = state.time;
         state.steps += 1;
         Ok(StepReport {
             pin_work: Some(pin_work),

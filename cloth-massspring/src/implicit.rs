@@ -69,16 +69,17 @@ use stage::Stage;
 ///
 /// Linear momentum of cloth that nothing holds or touches is kept to rounding, whatever the tolerance, by
 /// [`Solve::QuasiNewton`] and [`Solve::Linearized`]: the iteration ends with a shift to where the momentum takes the
-/// cloth. In Newton's method it is kept as exactly as the linear systems are solved. Angular momentum is not kept.
+/// cloth; with contacts in the input only if nothing is held, and for all pieces together. In Newton's method it is
+/// kept as exactly as the linear systems are solved. Angular momentum is not kept.
 ///
-/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and its name is `linear-implicit`. With contact, what
-/// touches nothing takes the same step. Elsewhere only the cloth is linearised: at the start of the step it does not
-/// touch yet what it meets in the step, so a linearised contact would miss that. The quadratic function of the cloth and the contact potential are minimised together, to
-/// the tolerance. A sheet that is stopped buckles, which the quadratic function does not contain: if `G` itself has
-/// gone down by less than three quarters of what the quadratic function has, the cloth is linearised again at the
-/// minimum, eight times at most.
+/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and its name is `linear-implicit`. With contact,
+/// what touches nothing takes the same step. Elsewhere only the cloth is linearised: at the start of the step it does
+/// not touch yet what it meets in the step, so a linearised contact would miss that. The quadratic function of the
+/// cloth and the contact potential are minimised together, to the tolerance. A sheet that is stopped buckles, which the
+/// quadratic function does not contain: if `G` itself has gone down by less than three quarters of what the quadratic
+/// function has, the cloth is linearised again at the minimum, up to eight times in all.
 ///
-/// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that
+/// Damping: drag acts with the velocity at the end of the step. Stiffness damping acts with that
 /// velocity too, and with the stiffness at `x[0] + Δt v[0]`. The amplitude of an oscillation is then multiplied by
 /// `1/√(1 + 2 Δt γ + (Δt ω)²)` in a step, `2γ = α + β ω²` as at [`Damping`](crate::Damping).
 ///
@@ -120,7 +121,8 @@ use stage::Stage;
 /// # Errors of a step
 /// [`StepError::LineSearchStalled`] where no lower point is found though the gradient is more than a hundred times what
 /// rounding explains; [`StepError::NotPositiveDefinite`] under [`HessianPolicy::Always`](crate::HessianPolicy::Always)
-/// of a Hessian that may be indefinite, or with an energy of the caller's whose clamped Hessian is;
+/// of a Hessian that may be indefinite, with an energy of the caller's whose clamped Hessian is, or where an iterative
+/// solver loses a nearly singular matrix to rounding, unless Newton's method has only taken over;
 /// [`StepError::NonFinite`] where numbers overflow.
 #[derive(Debug)]
 pub struct ImplicitEuler(Implicit);

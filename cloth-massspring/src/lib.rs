@@ -49,8 +49,9 @@
 //! ```
 //!
 //! But a force that is right at the start can carry a vertex past the equilibrium of its spring, and farther from it
-//! than before, until it is evaluated again. The next force is then larger, and so on: *overshoot*. A step must be
-//! shorter than `2/ω`, with ω the fastest oscillation of the cloth, and ω grows with stiffness and with fineness.
+//! than before, until it is evaluated again. The next force is then larger, and so on: *overshoot*. A step of
+//! symplectic Euler must be shorter than `2/ω`, with ω the fastest oscillation of the cloth, which grows with stiffness
+//! and with fineness; for forward Euler no step is short enough.
 //!
 //! At the *end* of the step, the forces are those at positions not yet known:
 //!
@@ -81,7 +82,7 @@
 //! ```
 //!
 //! Gravity and load are constant in a step and stand in x̂, so E is elastic only. Forces without a potential get one
-//! for the duration of a step. Drag α is linear in `v = (x − x_b)/τ` and changes x̂ and s, nothing else; it is exact.
+//! for the duration of a step. Drag α is linear in `v = (x − x_b)/τ`, so it changes x̂ and s, and nothing else.
 //! Damping that grows with the stiffness adds a third term, `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ` held
 //! at the inertial prediction (`implicit/damper.rs`); friction takes its normal force from the start of the step.
 //!
@@ -95,7 +96,7 @@
 //! ∂²E/∂x₀² = k n nᵀ + k (1 − L/l) (I − n nᵀ)
 //! ```
 //!
-//! and the same negative between the ends. Along the spring it is k. Across, it is tension over length: negative under
+//! and its negative between the ends. Along the spring it is k. Across, it is tension over length: negative under
 //! compression, where the straight spring is a maximum sideways and buckling goes down. `M/Δt² + H` may then be
 //! indefinite (one spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up. The
 //! cures ([`Convexity`](cloth_core::element::Convexity), element by element; [`HessianPolicy`]) change the matrix and
@@ -132,9 +133,8 @@
 //! | alternating diagonals | `4k/3` in every direction |
 //! | diagonals one way | k along the axes, 2k along the diagonals, 2k/5 across them |
 //!
-//! No l stands there: refined, a network tends to such a sheet, anisotropic if the pattern is. The equilateral one does
-//! so as linear triangles of ν = 1/3 do: in a small strain a triangle with half of each of its springs stores just
-//! their energy.
+//! No l stands there: refined, a network tends to such a sheet, anisotropic if the pattern is. In a small strain an
+//! equilateral triangle with half of each of its springs stores the energy of a linear triangle of ν = 1/3.
 //!
 //! **Triangles** have `F = [x₁ − x₀, x₂ − x₀] B` (3 × 2, dimensionless) with `B = [X₁ − X₀, X₂ − X₀]⁻¹` of the rest
 //! shape in its plane (1/m), `G = ½ (FᵀF − I)` and, with the rest area A, `E = ½ A S:G`. The stress is
@@ -156,11 +156,11 @@
 //! `‖q x‖ = 2e sin(θ/2)`, about eθ. The hinge stands for a third of its triangles, `Ā = (A₀ + A₁)/3`, with the
 //! curvature `eθ/Ā`: `E = ½ k (eθ/Ā)² Ā`, `K = k/Ā`. An equilateral lattice bent to a cylinder of curvature κ has
 //! `q·u = κ e² (cos 2φ − ½)/√3` at an edge that is φ away from the direction of κ. The squares of the three brackets at
-//! a vertex sum to 9/4, which makes `½ 3k κ²` per area (`Ā = e²/√12`, area `√3 e²/2` a vertex): `k = D/3`. (The
-//! alternating grid has D along its lines, 1½ D along its diagonals.) By the angle itself the same energy of small folds
-//! is `½ D e²/(A₀ + A₁) (θ − θ₀)²`; θ is positive where the edge is a ridge seen from the front, and flat is a point
-//! like others. The moment `K e² sin θ` of the first is largest at a right angle and gone at a full fold, θ = π; that
-//! of the angle grows up to `|θ − θ₀| = π` and changes its sign there.
+//! a vertex sum to 9/4, which makes `½ · 3k · κ²` per area (`Ā = e²/√12`, area `√3 e²/2` a vertex): `k = D/3`. (The
+//! alternating grid has D along its lines, 1½ D along its diagonals.) By the angle itself the same energy of small
+//! folds is `½ D e²/(A₀ + A₁) (θ − θ₀)²`; θ is positive where the edge is a ridge seen from the front, and flat is a
+//! point like others. The moment `K e² sin θ` of the first is largest at a right angle and gone at a full fold, θ = π;
+//! that of the angle grows up to `|θ − θ₀| = π` and changes its sign there.
 //!
 //! # From equation to function
 //!
@@ -173,7 +173,7 @@
 //! | `x_b`, `x̂`, s, start | what the step aims at | `Implicit::predict` and `advance` in `implicit.rs` |
 //! | `G`, `∇G`, `M/s² + H`, `(M/s² + H) p` | with damping and contact | `Stage` in `implicit/stage.rs` |
 //! | `p = −B⁻¹∇G`, B from pairs `d`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
-//! | `A p = −∇G`, nearly | truncated Newton, in hard contact | [`Solve::QuasiNewton`] |
+//! | `A p = −∇G`, nearly | truncated Newton, in hard contact | `implicit/truncated_newton.rs` |
 //! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
 //! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
@@ -202,8 +202,8 @@
 //! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins. Vertices
 //!    whose path to the start meets something are stopped before it, and those around them are held back by less the
 //!    further away they are ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
-//! 2. Connected components that nothing holds or touches are shifted to where their momentum takes them. If nothing is
-//!    held at all and they touch only each other, they are shifted together.
+//! 2. Without contacts in the input, connected components that nothing holds are shifted to where their momentum takes
+//!    them. With contacts all are shifted together, if nothing is held at all and they touch only each other.
 //! 3. Repeat:
 //!    1. Done if `‖∇G‖ ≤ tolerance · ‖M(x − x̂)/s²‖`, both in the norm of M⁻¹, or if rounding allows no more.
 //!    2. In iterations 1 to 4, 12, 20, 28, … take the Hessian anew.
@@ -216,9 +216,9 @@
 //!       parabola, between a tenth and a half of the one before, 50 at most. Where rounding hides the change of G (a
 //!       rise below `10⁻¹⁰ |G|`) the slope decides: `∇G(x + t p)·p ≤ 0.8 |∇G(x)·p|`. If none is accepted, a gradient of
 //!       at most 100 times the rounding error is the end; else the pairs are dropped and the Hessian is taken anew,
-//!       then Newton's method takes over (not in contact), and where that fails too the step is refused.
-//!    7. From iteration 4 on, keep the pair `d = t p`, `y = Δ∇G` if `d·y > 0`, which Armijo's condition does not
-//!       ensure.
+//!       then Newton's method takes over (not in contact), and where that fails too the step is refused. In contact a
+//!       full step with half of its slope left goes on to the zero of the secant of slopes, 4 p at most, if G falls.
+//!    7. From iteration 4 on, keep the pair `d = t p`, `y = Δ∇G` if `d·y > 0`, which Armijo does not ensure.
 //! 4. The shift of 2 again: so linear momentum is kept to rounding at any tolerance.
 //! 5. `v = (x − x_b)/τ`.
 //!
@@ -239,22 +239,20 @@
 //! - *Absolute and lumped.* With absolute values in the place of negative eigenvalues, the k (1 − L/l) of compressed
 //!   springs ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)), the matrix is positive definite, so every
 //!   direction leads down; setting them to zero ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)) would do,
-//!   too, but lets thin cloth move too far in an iteration. Alone
-//!   such a matrix would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled
-//!   yet: it is stiff in just the direction that is soft. The pairs bring that curvature back where it is positive;
-//!   pairs of negative curvature are not kept. Dihedral hinges give their Gauss–Newton matrix, which needs no
-//!   eigenvalues, and the blocks that couple the two vertices opposite an edge are moved to the diagonal
-//!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the pattern of the
-//!   edges.
+//!   too, but lets thin cloth move too far in an iteration. Alone such a matrix would converge linearly, and slowly
+//!   near a saddle point, where a compressed sheet has not buckled yet: it is stiff in just the direction that is soft.
+//!   The pairs bring that curvature back where it is positive; those of negative curvature are not kept. Dihedral
+//!   hinges give their Gauss–Newton matrix, which needs no eigenvalues, and blocks of the two vertices opposite an edge
+//!   go to the diagonal, which leaves the pattern of the edges
+//!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)).
 //! - *Predicted forces.* A step along the tangent stretches a stiff spring that turns, and the Hessian at its end has a
-//!   tension across the spring that the minimum will not have. So the first four iterations take another factor of
+//!   tension across it that the minimum will not have. So the first four iterations take another factor of
 //!   `I − n nᵀ` than the `k |l − L|/l` of the absolute values: `k |C̃|/L`. Here C̃ is the extension that the spring,
 //!   linearised at the iterate before, x′, is predicted to have at x: `C̃ = C(x′) + ∂C(x′)·(x − x′)`. It is divided by
 //!   the rest length L, since the length l at x has the false stretch in it. The first iteration has no iterate before
 //!   it: there C̃ is the extension at the start of the step, `C(x[0])`
 //!   ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
-//! - *An extrapolated start.* Half of what the last step changed in the velocities is expected once more
-//!   ([`StartGuess::Extrapolated`]): fewer evaluations (at 64 vertices a side at least 3 %, a test).
+//! - *An extrapolated start*, by half of the last change of velocity ([`StartGuess::Extrapolated`]).
 //! - *A fallback.* Where more than 1000 further iterations would be needed at the rate of the last 200, the line search
 //!   finds nothing lower, or a tolerance below 10⁻⁵ or the proof of a minimum ([`Accept::Minimum`]) is asked for,
 //!   Newton's method goes on from there; [`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts
@@ -278,10 +276,10 @@
 //! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
 //! then `solver.step(&mut state, StepInput::new(dt).contacts(&mut contacts))?`, with the same contacts in every step.
 //!
-//! What the cloth touches, itself included, is one more energy in `G`, with a gradient and a positive semi-definite second derivative
-//! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted
-//! that has gone through anything. So a step of any size ends with contact forces, elastic forces and inertia in
-//! balance. With the thickness h (m) and the stiffness κ_c (Pa/m) of contact, at the distance d the energy per area is
+//! What the cloth touches, itself included, is one more energy in `G`, with a gradient and a positive semi-definite
+//! second derivative ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no
+//! iterate is accepted that has gone through anything. So a step ends with all forces and inertia in balance. With the
+//! thickness h (m) and the stiffness κ_c (Pa/m) of contact, at the distance d the energy per area is
 //!
 //! ```text
 //! ψ = ½ κ_c (h − d)²                       from h/2 to h, pressure κ_c (h − d)
@@ -359,7 +357,11 @@
 //!
 //! # What a step does to one oscillation
 //!
-//! With `z = Δt ω` (tests hold amplitudes and angles to 10⁻¹¹ or less, `z⁴/4` to 2 % at z = 0.05):
+//! With `z = Δt ω` (tests hold amplitudes and angles to 10⁻¹¹ or less, `z⁴/4` to 2 % at z = 0.05). Written as
+//! `u = x + i v/ω` an oscillation is `u′ = −iω u`: forward Euler has `u[1] = (1 − iz) u[0]`, implicit Euler
+//! `(1 + iz) u[1] = u[0]`, midpoint `(1 + iz/2) u[1] = (1 − iz/2) u[0]`, BDF2 `(3 + 2iz) u[1] = 4u[0] − u[−1]`, and the
+//! table modulus and angle of these factors. Symplectic Euler mixes x and v and has a matrix (`stability.rs`) in their
+//! place. It moves on the ellipse `x² + (v/ω)² − z x v/ω`, tilted by an amount of order z: hence its order 1.
 //!
 //! | method | order | amplitude per step | angle per step | stable |
 //! |---|---|---|---|---|
@@ -371,13 +373,13 @@
 //!
 //! In a period, `2π/z` steps, implicit Euler loses `1 − exp(−2πz)` of the energy (47 % at z = 0.1), BDF2 about `πz³`
 //! (0.3 %), the midpoint rule nothing. The mesh has an error of its own: a chain of spacing l has waves of number q at
-//! `ω = (2/l) c sin(ql/2)`, `c = l √(k/m)`: too slow by the fraction `(ql)²/24`, of second order in l. No test refines
-//! a mesh to measure that order. What a test holds is the formula at the shortest wave of a chain of n masses,
-//! `ql = π (2n − 1)/(2n + 1)`, to 0.05 % (`a_chain_has_the_closed_form_of_its_length` in `tests/chapter/stability.rs`).
+//! `ω = (2/l) c sin(ql/2)`, `c = l √(k/m)`: too slow by the fraction `(ql)²/24`, of second order in l. A test holds the
+//! formula at the shortest wave of a chain of n masses, `ql = π (2n − 1)/(2n + 1)`, to 0.05 %
+//! (`a_chain_has_the_closed_form_of_its_length` in `tests/chapter/stability.rs`).
 //!
 //! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the
 //! mass, of a chain of 1 m) goes with Δt as follows (`cargo test --release -p cloth-massspring --features cholesky
-//! --test chapter swinging_chain -- --nocapture`). This is the error in time, of one mesh.
+//! --test chapter swinging_chain -- --nocapture`).
 //!
 //! | method | error at Δt = 2 ms | 1 ms | 0.5 ms | order |
 //! |---|---|---|---|---|
@@ -405,19 +407,18 @@
 //!   falls freely, a cloth that is prescribed everywhere only moves its pins (`tests/chapter/special.rs`); inverted
 //!   elements are positions like others.
 //! - **No convergence is no error.** A step that has spent [`ImplicitConfig::max_iterations`], is stuck in contact, or
-//!   has linearised the cloth eight times; one whose matrix for Newton's method does not fit into the memory, or is so
-//!   nearly singular that an iterative solver finds it indefinite: all report
-//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome) with the residual that is left. The state has advanced: look
-//!   at the report.
+//!   has linearised the cloth eight times, or in which Newton's method took over with a matrix that does not fit into
+//!   the memory or that an iterative solver finds indefinite (elsewhere both are errors), reports
+//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome) and the residual that is left. The state has advanced.
 //!
 //! # Threads
 //! With the feature `parallel` these run on rayon's threads, from 8192 vertices on: energies, gradients and matrices,
 //! the multigrid cycle, the vectors of L-BFGS, and dot products by [`dot`](cloth_core::method::vectors::dot). No
-//! colours: each chunk of 2048 vertices visits all elements that touch it, and adds to its own vertices only; an
-//! element on the border of two is computed twice. The smoother is Gauss–Seidel within 8192 rows and Jacobi between
-//! them. A dot product adds up each chunk, four vertices abreast, and then the chunks in pairs, along a tree given by
-//! the number of vertices. Serial, from the first vertex to the last, are norms in stopping tests, the `dot` of
-//! `stability.rs` (stable step, negative curvature, slopes in the line search), products with an assembled matrix,
+//! colouring of elements: each chunk of 2048 vertices visits all elements that touch it, and adds to its own vertices
+//! only; an element on the border of two is computed twice. The smoother is Gauss–Seidel within 8192 rows and Jacobi
+//! between them. A dot product adds up each chunk, four vertices abreast, and then the chunks in pairs, along a tree
+//! given by the number of vertices. Serial, from the first vertex to the last, are norms in stopping tests, the `dot`
+//! of `stability.rs` (stable step, negative curvature, slopes in the line search), products with an assembled matrix,
 //! linear solvers but for multigrid, damping, and plain loops in this crate. So results have the same bits on any
 //! number of threads, and without the feature (`cloth-bench/tests/contract/thread_parity.rs`).
 //!
@@ -442,8 +443,7 @@
 //!   BDF2 lets them die out within a few steps; the midpoint rule keeps them ringing, and as springs are nonlinear
 //!   their energy grows until the run is nonsense: stable for one oscillation is not stable for cloth. Midpoint is for
 //!   steps that resolve the fastest oscillation.
-//! - The linearised step has no line search and goes down to no minimum: nothing guarantees that its energy stays
-//!   bounded where springs turn far in a step.
+//! - The linearised step has no line search: its energy need not stay bounded where springs turn far in a step.
 //! - Damping keeps its order of accuracy: `K` is taken where inertia leads, `v` where the forces are. It is that of the
 //!   material only, the tension of a spring does not damp its turning.
 //! - The default converges from cloth that is random, flattened, collapsed into a point or turned inside out, with
@@ -453,7 +453,7 @@
 //!   Cloth that swings and wrinkles less with it than it should is the price of the large step, not a property of the
 //!   cloth. It keeps linear momentum, not angular momentum.
 //! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet
-//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps, at the stable limit (`cloth-bench` takes steps half
+//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 369 steps, at the stable limit (`cloth-bench` takes steps half
 //!   as long), for what implicit Euler does in one of 1/60 s. (It is a corner that asks for them: `stability.rs`.)
 //! - A compressed sheet has many minima, one for each buckling mode, and saddle points between them. Which minimum
 //!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`]. Exactly
@@ -521,7 +521,7 @@
 //!   compliance.
 //! - **Motion without numerical damping at large steps.** Implicit Euler damps, the midpoint rule may blow up; resolve
 //!   the motion with [`Bdf2`] or smaller steps.
-//! - **Explicit methods for stiff cloth.** Hundreds of substeps a frame (370 for the sheet above) are slower than one
+//! - **Explicit methods for stiff cloth.** Hundreds of substeps a frame (369 for the sheet above) are slower than one
 //!   implicit step.
 //! - **Beside XPBD and IPC.** XPBD stops after its sweeps, whether they have converged or not. IPC (Li et al. 2020,
 //!   <https://doi.org/10.1145/3386569.3392425>) minimises such a G, with a barrier for contact, by Newton's method with

@@ -1,11 +1,12 @@
 //! The largest stable step of symplectic Euler, from the fastest oscillation of the cloth.
 //!
-//! In a small oscillation of angular frequency ω, with `z = Δt ω`, symplectic Euler takes `(x, Δt v)` to `(x + Δt v −
-//! z² x, Δt v − z² x)`: a matrix of trace 2 − z² and determinant 1. Its eigenvalues have a product of 1, and both lie
-//! on the unit circle as long as the trace is within ±2, so it is stable for `Δt ω < 2`. With damping, `c = Δt (α +
-//! β ω²)`, the matrix has the trace 2 − z² − c and the determinant 1 − c; both eigenvalues are below 1 in absolute value
-//! while the trace is within ±(2 − c), which is `z² + 2c < 4`. What is asked for is the largest eigenvalue `ω²` of
-//! `M⁻¹ K`, with `K` the Hessian of the energy. Lanczos' method finds it from products alone, in the symmetric form `A = M^{-½} K M^{-½}` over the free vertices.
+//! In a small oscillation of angular frequency ω, with `z = Δt ω`, symplectic Euler takes `(x, Δt v)` to
+//! `(x + Δt v − z² x, Δt v − z² x)`: a matrix of trace 2 − z² and determinant 1. Its eigenvalues have a product of 1,
+//! and both lie on the unit circle as long as the trace is within ±2, so it is stable for `Δt ω < 2`. With damping,
+//! `c = Δt (α + β ω²)`, the matrix has the trace 2 − z² − c and the determinant 1 − c; both eigenvalues are below 1 in
+//! absolute value while the trace is within ±(2 − c), which is `z² + 2c < 4`. What is asked for is the largest
+//! eigenvalue `ω²` of `M⁻¹ K`, with `K` the Hessian of the energy. Lanczos' method finds it from products alone, in the
+//! symmetric form `A = M^{-½} K M^{-½}` over the free vertices.
 //!
 //! Of `K` the negative eigenvalues of each element are dropped ([`Convexity::Clamp`]). They belong to compressed
 //! springs that buckle sideways: no oscillation and no overshoot, and no step size prevents it. Dropping them can only

@@ -15,7 +15,8 @@
 //! ‖v[1] − 2 v[0] + v[−1]‖²_M > 0.1 (‖v[0]‖²_M + ‖Δt a‖²_M),   a the external acceleration,
 //! ```
 //!
-//! is one of implicit Euler, which knows nothing of `v[−1]`. For an oscillation ω the left side is `(4 sin²(Δt ω/2))²`
+//! is one of implicit Euler, which knows nothing of `v[−1]`. (A step of implicit Euler is not tested: the second
+//! difference after it has the jump before it in it, too.) For an oscillation ω the left side is `(4 sin²(Δt ω/2))²`
 //! times `‖v[0]‖²_M`, 0.06 times at Δt ω = 0.5: no jump. The second term on the right keeps small motions of cloth at
 //! rest from counting. Smaller jumps pass, so that what is stopped may leave with a part of its speed. Where all forces
 //! are linear and nothing touches, no oscillation grows, resolved or not, and the test is left out.

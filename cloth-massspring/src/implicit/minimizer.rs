@@ -37,9 +37,9 @@ const VIOLENT: Real = 1e-3;
 
 /// Fraction of a direction below which one step length for all vertices is given up for one each.
 const STALLED: Real = 0.01;
-/// Fraction of a direction below which only half of what contact leaves of it is followed. A path that turns into a pair
-/// does so with its square: followed to the end of what is free it leaves a quarter of the gap, as far as Newton's
-/// method opens it again in two iterations, so that steps stay as short; half of it leaves four fifths.
+/// Fraction of a direction below which only half of what contact leaves of it is followed. A path that turns into a
+/// pair takes of the gap with its square: followed to the end of what is free it leaves a fifth of it, and the next
+/// step is as short; half of it leaves four fifths.
 const NARROW: Real = 0.1;
 /// Factor on the trust radius after a step to its end that has not been shortened.
 const RADIUS_GROWTH: Real = 4.0;

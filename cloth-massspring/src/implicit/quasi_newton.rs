@@ -40,7 +40,7 @@ pub(super) struct QuasiNewton {
     history: LimitedMemory<f32>,
     /// Contacts, and those at the last matrix between vertices.
     rows: Vec<ContactRow>,
-    pairs: Vec<ContactRow>,
+    contact_pairs: Vec<ContactRow>,
     /// The latter, none stiffer than a cycle can take.
     for_cycle: Vec<ContactRow>,
     global: GlobalTerms,
@@ -62,7 +62,7 @@ impl QuasiNewton {
             matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
             history: LimitedMemory::new(is_free.len(), PAIRS),
             rows: Vec::new(),
-            pairs: Vec::new(),
+            contact_pairs: Vec::new(),
             for_cycle: Vec::new(),
             global: GlobalTerms::default(),
             truncated_newton: TruncatedNewton::default(),
@@ -81,7 +81,7 @@ impl QuasiNewton {
     pub(super) fn begin(&mut self) {
         self.history.clear();
         (self.iterations, self.age, self.cut) = (0, 0, 0);
-        self.pairs.clear();
+        self.contact_pairs.clear();
         self.for_cycle.clear();
         self.global.clear();
     }
@@ -106,7 +106,7 @@ impl QuasiNewton {
         if let Some(contact) = stage.contact {
             let stiffest = STIFFEST * self.largest_diagonal();
             self.add_contact(contact, x);
-            self.for_cycle.clone_from(&self.pairs);
+            self.for_cycle.clone_from(&self.contact_pairs);
             for row in &mut self.for_cycle {
                 row.stiffness = row.stiffness.min(stiffest);
             }
@@ -143,10 +143,10 @@ impl QuasiNewton {
         contact.linearize(x, &mut self.rows);
         let pattern = Arc::clone(self.matrix.shared_pattern());
         let blocks = self.matrix.blocks_mut();
-        self.pairs.clear();
+        self.contact_pairs.clear();
         for row in &self.rows {
             if row.weights.iter().filter(|w| **w != 0.0).count() > 1 {
-                self.pairs.push(*row);
+                self.contact_pairs.push(*row);
                 continue;
             }
             let across = row.normal * row.normal.transpose() * row.stiffness;
@@ -183,7 +183,7 @@ impl QuasiNewton {
         if is_cut_short {
             let operator = Operator {
                 matrix: &self.matrix,
-                pairs: &self.pairs,
+                contact_pairs: &self.contact_pairs,
                 global,
                 is_free: &self.is_free,
             };

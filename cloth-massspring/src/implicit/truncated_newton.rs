@@ -22,7 +22,7 @@ const MAX_ITERATIONS: u32 = 30;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Operator<'a> {
     pub(super) matrix: &'a BlockMatrix,
-    pub(super) pairs: &'a [ContactRow],
+    pub(super) contact_pairs: &'a [ContactRow],
     pub(super) global: &'a GlobalTerms,
     pub(super) is_free: &'a [bool],
 }
@@ -30,7 +30,7 @@ pub(super) struct Operator<'a> {
 impl Operator<'_> {
     fn apply(&self, p: &[Vec3], out: &mut [Vec3]) {
         self.matrix.multiply(p, out);
-        for row in self.pairs {
+        for row in self.contact_pairs {
             row.add_product(p, out);
         }
         self.global.add_product(p, out);
@@ -52,8 +52,8 @@ pub(super) struct TruncatedNewton {
 }
 
 impl TruncatedNewton {
-    /// Writes `p = −H⁻¹ g` (m), nearly, to `out` for a gradient g (N), with `inverse` near H⁻¹. Returns `rᵀ H⁻¹ r` (J) of
-    /// the residual r that is left, nearly, and the number of iterations: `gᵀ H⁻¹ g = −gᵀ p + rᵀ H⁻¹ r`.
+    /// Writes `p = −H⁻¹ g` (m), nearly, to `out` for a gradient g (N), with `inverse` near H⁻¹. Returns `rᵀ H⁻¹ r` (J)
+    /// of the residual r that is left, nearly, and the number of iterations: `gᵀ H⁻¹ g = −gᵀ p + rᵀ H⁻¹ r`.
     pub(super) fn solve(
         &mut self,
         operator: Operator<'_>,
