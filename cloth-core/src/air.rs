@@ -9,7 +9,7 @@
 //!
 //! So a plate across the flow feels ½ ρ C_D A |u|², one along the flow nothing, and one at an angle the drag ½ ρ C_D A
 //! |u|² cos θ and the lift ½ ρ C_L A |u|² cos θ sin θ. Each corner takes a third; both sides of the cloth count alike.
-//! It is a drag with an area, a direction and a wind.
+//! All of these grow with the square of the speed.
 //!
 //! # Limits
 //! - The air does not know of the cloth: no wake, no shelter of one fold by another, no friction along the surface, no

@@ -1,10 +1,20 @@
 //! Finite-difference checks that any element can be put through, ours or a user's.
+//!
+//! The central difference `(E(x + h) − E(x − h))/(2h)` is off by `h² E‴/6`, its truncation, and by about `ε E/h`, the
+//! rounding of E, with ε = 2·10⁻¹⁶. Where E changes over a length `scale`, both are about as large for `h = ε^⅓ scale`,
+//! and the error is then about `ε^⅔ ≈ 4·10⁻¹¹` of `E/scale`. So it is for the differences of a gradient.
+//!
+//! The tests of this crate allow for details smaller than `scale`, and for forces that cancel:
+//! [`gradient_error`] up to 10⁻⁷, [`hessian_error`] up to 10⁻⁶, [`smallest_eigenvalue`] down to −2·10⁻¹³ of the largest
+//! entry (by every choice but `Exact`), [`projection_error`] up to 10⁻¹². A wrong sign or factor is far beyond these.
+//! Elements that are not tied to a place are also turned and shifted (`tests/support/element_checks.rs`): E has to stay
+//! the same, the forces have to turn with the vertices, and forces and torques have to add up to zero, to 10⁻¹¹.
 
 use crate::element::{Convexity, Energy, Projective};
 use crate::math::{Blocks, Real, Vec3};
 
-/// Largest error of the gradient against central differences of the value, relative to the largest force between
-/// neighbouring differences.
+/// Largest error of the gradient against central differences of the value, relative to the largest entry of the
+/// gradient.
 ///
 /// `scale` (m) is a typical length of the element; the difference is taken over `ε^⅓` of it.
 #[must_use]

@@ -1,6 +1,6 @@
 //! One description of a cloth in SI units, from which every method gets its constants.
 //!
-//! A [`Cloth`] says what the cloth is: mass, modulus, rigidity. [`Discretization`] say which elements carry it. A
+//! A [`Cloth`] says what the cloth is: mass, modulus, rigidity. [`Discretization`] says which elements carry it. A
 //! [`ClothModel`] is both cut to a mesh, a list of families of [`Elements`] for the builder of any solver:
 //!
 //! ```
@@ -31,7 +31,9 @@
 //!
 //! The numbers are examples. A solid sheet of thickness t and Young's modulus E has `Y = E t` (N/m) and
 //! `D = E t³/(12 (1 − ν²))` (N·m); woven cloth bends far more easily than that, as its threads slide, so D has to be
-//! measured: from the bending length c of a strip that hangs over an edge, `D = ρ g c³` (Peirce 1930).
+//! measured: `D = ρ g c³` (Peirce 1930), with the areal density ρ (kg/m²), gravity g (m/s²) and the bending length c
+//! (m). A strip is pushed over the edge of a table until the line from the edge to its end falls by 41.5°; c is half
+//! the length that hangs over.
 
 mod carriers;
 mod detail;

@@ -7,7 +7,8 @@
 //! - its rank r says how many conditions are independent there,
 //! - the nullity `3V − r` is the number of motions that change no length to first order, the 6 rigid ones among them,
 //! - `E − r` is the number of self-stresses: tensions that balance at every vertex. A flat sheet has one for every
-//!   inner vertex, because no edge resists a motion out of the plane there; any finite bend removes them.
+//!   inner vertex, because no edge resists a motion out of the plane there. A bend of the whole sheet in all directions
+//!   ([`bent`]) removes them; a part that stays flat keeps its own.
 //!
 //! # What to use when
 //!
@@ -64,10 +65,15 @@
 //! of iterations from 5 to 1280 (6.5 to 5.4 times the bending), since its stiffness is not that of the cloth.
 //!
 //! The edge length `l* = (702 D R²/Y)^¼` at radius R is where springs with all vertices on the surface store as much as
-//! the hinges: confirmed there for equilateral triangles, on a cone with 16 to 128 cells a side and Y from 10³ to 10⁸
-//! N/m, to 6 %. A sheet between clamps leaves the surface and gets rid of all but 2 % of that, so l* is where locking
-//! can begin and not where it has to: of 40 kinds of sheets that fold under their own weight, 8 lose half of their
-//! bending, at edge lengths between 0.9 and 2.8 l*. As a sharp number it is refuted.
+//! the hinges. The reason: an edge at the angle φ to the curved direction of a cylinder is a chord, shorter than its
+//! arc by the strain `ε = l² cos⁴ φ/(24 R²)`. Equilateral springs store `½ Y Σ ε²` per area, summed over the three
+//! directions of edges, and `Σ cos⁸ φ` is 105/128 in the mean over all φ. Hinges store `½ D/R²`, so
+//! `702 ≈ 24²·128/105`.
+//!
+//! It is confirmed for equilateral triangles on a cone, with 16 to 128 cells a side and Y from 10³ to 10⁸ N/m, to 6 %,
+//! as long as they stay on it. A sheet between clamps leaves the surface and gets rid of all but 2 % of that, so l* is
+//! where locking can begin and not where it has to: of 40 kinds of sheets that fold under their own weight, 8 lose half
+//! of their bending, at edge lengths between 0.9 and 2.8 l*. As a sharp number it is refuted.
 //!
 //! # How the rank is found
 //!

@@ -11,6 +11,17 @@
 //!
 //! A `Constraint` is an `Energy` without further code: the blanket implementation below is the
 //! line where the one becomes the other. That is why there is no `impl Energy for Spring` to be found.
+//!
+//! # A new element
+//!
+//! 1. Write a struct with the numbers of its vertices and its rest data, and implement [`Element`] for it.
+//! 2. If its energy is `½ Σ k C²`, implement [`Constraint`]: the rows and, unless they are linear
+//!    ([`Constraint::ROWS_ARE_LINEAR`]), their [curvature](Constraint::curvature). The default curvature is zero, and
+//!    makes every Hessian that of Gauss–Newton. For any other energy implement [`Energy`].
+//! 3. If its energy is a squared distance to a set, implement [`Projective`] too.
+//! 4. Put it through every function of [`crate::check`], at random shapes, away from rest.
+//! 5. Hand a `Vec` of it to [`Energies::with`](crate::method::family::Energies::with), or to `energy` of the builder of
+//!    a solver.
 
 mod differences;
 mod sweep_forms;
@@ -36,9 +47,11 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
         let _ = time;
     }
 
-    /// Whether the eigenvalues of its curvature are found numerically, for want of a closed form. A preconditioner then
-    /// does without the curvature: it is to be right without it, so say so only where [`Convexity::GaussNewton`] leaves
-    /// no direction soft that is stiff.
+    /// Whether a preconditioner takes it by [`Convexity::GaussNewton`], whatever is asked for, to be spared eigenvalues
+    /// that are found numerically ([`lumped_assembly`](crate::method::family::Energies::lumped_assembly)). Set it only
+    /// where that matrix is good enough: a direction in which the Hessian is stiff has to be stiff in it too. So an
+    /// [`AreaTriangle`](crate::energy::AreaTriangle) leaves it false, though its eigenvalues are numerical: a stretched
+    /// one resists motion out of its plane by its curvature alone.
     const HAS_NUMERICAL_EIGENVALUES: bool = false;
 
     /// Whether [`Elements`] has a case for them. A builder then takes them as it takes a whole cloth, which is compiled
@@ -93,8 +106,15 @@ mod sealed {
 
 /// What to do with the negative eigenvalues of an element's Hessian.
 ///
-/// Newton's method needs a direction that goes down; a compressed spring has a Hessian
-/// that is indefinite across its axis.
+/// Newton's method needs a direction that goes down; a compressed spring has a Hessian that is indefinite across its
+/// axis. A positive semi-definite matrix in its place (PSD projection), plus `M/Δt²`, gives such a direction.
+///
+/// Of a [`Constraint`] the choice concerns the curvature `Σ k C ∂²C` alone, whose eigenvalues are meant below; the rest
+/// of its Hessian, `Σ k ∂C ∂Cᵀ`, is semi-definite by its form. Of any other [`Energy`] it concerns the whole Hessian.
+///
+/// It is made element by element: a sum of semi-definite matrices is semi-definite, and the eigenvalues of small
+/// matrices are cheap. The price: an element is changed also where the sum of all was positive definite already. If one
+/// is changed at the minimum, Newton's method converges to it linearly, not quadratically.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Convexity {
@@ -105,8 +125,7 @@ pub enum Convexity {
     Clamp,
     /// Take their absolute value: a matrix that resists leaving the point in every direction in which the energy is
     /// curved (H. Chen et al., "Stabler neo-Hookean simulation: absolute eigenvalue filtering for projected Newton",
-    /// SIGGRAPH 2024,
-    /// <https://arxiv.org/abs/2406.05928>).
+    /// SIGGRAPH 2024, <https://arxiv.org/abs/2406.05928>).
     Abs,
     /// Drop the second derivative of the constraint: `Σ k ∂C ∂Cᵀ` alone.
     GaussNewton,
@@ -150,9 +169,10 @@ pub trait Energy<const N: usize>: Element<N> {
     /// `∂²E/∂xᵢ∂xⱼ` (N/m).
     fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N>;
 
-    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], of an iteration that treats forces as unknowns of their
-    /// own: what the gradients turn with is not the force at `x`, but the one that the constraint linearised at `from`
-    /// (m) has at `to` (m); see [`Constraint::mixed_curvature`]. Without that, the Hessian at `x`.
+    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], of a mixed method, whose unknowns are positions and forces:
+    /// its curvature is not that of the force at `x`, but of the one that the constraint linearised at `from` (m) has
+    /// at `to` (m); see [`Constraint::mixed_curvature`]. The quasi-Newton method of `cloth-massspring` begins every
+    /// step with it. An energy that predicts no force gives its Hessian at `x`.
     #[inline]
     fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         let _ = (from, to);
@@ -246,7 +266,7 @@ pub trait Constraint<const N: usize>: Element<N> {
     }
 
     /// `Σᵣ kᵣ Cᵣ ∂²Cᵣ/∂x²` (N/m), made positive semi-definite as `convexity` says. Never called for
-    /// [`Convexity::GaussNewton`]. Zero where the rows are linear, which is the default.
+    /// [`Convexity::GaussNewton`]. The default is zero, which is right for linear rows only.
     ///
     /// By [`Convexity::Exact`] it may be indefinite, and the Hessian with it: a compressed spring (C < 0) is so across
     /// its axis. By the others it is semi-definite alone, and so is its sum with `Σᵣ kᵣ ∂Cᵣ ∂Cᵣᵀ`.

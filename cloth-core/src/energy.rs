@@ -2,25 +2,26 @@
 //!
 //! | element | vertices | [`Energy`](crate::element::Energy) | [`Constraint`](crate::element::Constraint) | [`Projective`](crate::element::Projective) | stiffness |
 //! |---|---|---|---|---|---|
-//! | [`Spring`] | 2 | yes | 1 row | K = 1 | N/m |
-//! | [`CurvatureHinge`] | 4 | yes | 3 rows | K = 1 | N/m, from a rigidity in N·m |
-//! | [`CurvedHinge`], curved at rest | 4 | yes | 1 row | K = 1 | N/m, from a rigidity in N·m |
+//! | [`Spring`] | 2 | yes | 1 row | 1 vector | N/m |
+//! | [`CurvatureHinge`] | 4 | yes | 3 rows | 1 vector | N/m, from a rigidity in N·m |
+//! | [`CurvedHinge`], curved at rest | 4 | yes | 1 row | 1 vector | N/m, from a rigidity in N·m |
 //! | [`DihedralHinge`], rest angle | 4 | yes | 1 row | – | N·m, from a rigidity in N·m |
 //! | [`CubicShell`], rest angle | 4 | yes | – | – | N·m, from a rigidity in N·m |
-//! | [`MidpointHinge`], on edge midpoints | 5 | yes | 3 rows | K = 1 | N/m, from a rigidity in N·m |
+//! | [`MidpointHinge`], on edge midpoints | 5 | yes | 3 rows | 1 vector | N/m, from a rigidity in N·m |
 //! | [`StvkTriangle`], modulus Y and ν | 3 | yes | 3 rows | – | J, from a modulus in N/m |
-//! | [`ArapTriangle`], modulus Y, ν = 0 | 3 | yes | 2 rows | K = 2 | J, from a modulus in N/m |
-//! | [`AreaTriangle`], area modulus K | 3 | yes | 1 row | – | N/m³, from a modulus in N/m |
-//! | [`VolumeTetrahedron`], bulk modulus K | 4 | yes | 1 row | – | N/m⁵, from a modulus in Pa |
-//! | [`StrainLimitSpring`], slack in a range | 2 | yes | 1 row | K = 1 | N/m |
-//! | [`StrainLimitTriangle`], slack in a range | 3 | yes | 2 rows | K = 2 | J, from a modulus in N/m |
-//! | [`Attachment`] | 1 | yes | 3 rows | K = 1 | N/m |
-//! | [`Stitch`], drawn together in time | 2 | yes | 3 rows | K = 1 | N/m |
+//! | [`ArapTriangle`], modulus Y, ν = 0 | 3 | yes | 2 rows | 2 vectors | J, from a modulus in N/m |
+//! | [`AreaTriangle`], area modulus | 3 | yes | 1 row | – | N/m³, from a modulus in N/m |
+//! | [`VolumeTetrahedron`], bulk modulus | 4 | yes | 1 row | – | N/m⁵, from a modulus in Pa |
+//! | [`StrainLimitSpring`], slack in a range | 2 | yes | 1 row | 1 vector | N/m |
+//! | [`StrainLimitTriangle`], slack in a range | 3 | yes | 2 rows | 2 vectors | J, from a modulus in N/m |
+//! | [`Attachment`] | 1 | yes | 3 rows | 1 vector | N/m |
+//! | [`Stitch`], drawn together in time | 2 | yes | 3 rows | 1 vector | N/m |
 //!
 //! A dash is a view that the energy does not have. The projective view needs a squared distance to a set under a
-//! *constant* linear map: an angle is no linear function of positions, and the strains of StVK are quadratic ones. (PD
-//! bends by the length of the curvature vector instead, [`CurvedHinge`], and stretches by ARAP.) The constraint view
-//! needs a sum of squares, and the cubic shell is a polynomial of third degree, unbounded from below.
+//! *constant* linear map, whose vectors the column counts: an angle is no linear function of positions, and the strains
+//! of StVK are quadratic ones. (PD bends by the length of the curvature vector instead, [`CurvedHinge`], and stretches
+//! by ARAP.) The constraint view needs a sum of squares, and the cubic shell is a polynomial of third degree, unbounded
+//! from below.
 //!
 //! # What a bending rigidity means on a mesh
 //!
@@ -32,11 +33,22 @@
 //! |---|---|---|---|
 //! | equilateral | 1 in every direction | 1/3 | Poisson's ratio −1/3: a strip free to curve across is softer, by 8/9 |
 //! | alternating | 1 along the grid, 3/2 across it at 45° | 1/2 | as long as all vertices stand on the surface |
-//! | alternating, at rest | 5/6 and 4/3 | 1/3 | vertices with four and with eight neighbours settle at two heights; a strip free to curve across: 4/5 |
+//! | alternating, in equilibrium | 5/6 and 4/3 | 1/3 | vertices with four and with eight neighbours settle at two heights; a strip free to curve across: 4/5 |
 //! | one way | 3/4 to 3 | 1/2 | stiffest where the curvature runs along the diagonals, at 45° |
 //!
-//! Derived hinge by hinge; measured in the bench (laws `bending-factor`, `elastica`, `lateral-buckling`; study
-//! `bending`).
+//! The first line by hand. In a sheet of equilateral triangles with edges e the [`CurvatureHinge`] has
+//! `q = (2, 2, −2, −2)/√3`, and to each edge belongs the area `a = (A₀ + A₁)/3 = e²/(2√3)`. Let all vertices stand on a
+//! surface of normal curvature κ⊥ across the edge and κ∥ along it (1/m). From the tangent plane at the middle of the
+//! edge, to leading order, its ends are `κ∥ (e/2)²/2` away and the tips `κ⊥ (√3 e/2)²/2`, so
+//! `‖z‖ = |3κ⊥ − κ∥| e²/(2√3) = |3κ⊥ − κ∥| a`, and the hinge costs `½ k (3κ⊥ − κ∥)² a`.
+//!
+//! - On a cylinder of curvature κ, curved in a direction at the angle φ to that across the edge, `κ⊥ = κ cos² φ` and
+//!   `κ∥ = κ sin² φ`, so `3κ⊥ − κ∥ = κ (1 + 2 cos 2φ)`. Its square, in the mean over the three directions of edges, 60°
+//!   apart, is `3κ²` for every φ. So `½ D κ²` per area asks for `k = D/3`.
+//! - On a sphere `κ⊥ = κ∥ = κ`, and `½ k (2κ)²` per area is a third of `½ D (2κ)²`.
+//!
+//! All lines were derived so, hinge by hinge, and measured in the bench (laws `bending-factor`, `elastica`,
+//! `lateral-buckling`; study `bending`).
 
 mod arap_triangle;
 mod area;
@@ -72,7 +84,7 @@ pub use volume::VolumeTetrahedron;
 
 use crate::math::Real;
 
-/// Refuses limits `[σ_min, σ_max]` (dimensionless) that leave no room.
+/// Panics if limits `[σ_min, σ_max]` (dimensionless) are negative or out of order.
 fn check_limits([least, most]: [Real; 2]) {
     assert!(
         0.0 <= least && least <= most,

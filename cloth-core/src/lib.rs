@@ -34,13 +34,20 @@
 //! third the constraint behind it, a fourth the nearest undeformed shape. So an element is written once, as a small
 //! struct, and shows each method the view it asks for ([`element`]). What an element cannot show does not compile.
 //!
-//! With state `x`, `v` (m, m/s), lumped masses `M` (kg) and step `Δt` (s), every method advances
+//! With positions `x` (m), velocities `v` (m/s), lumped masses `M` (kg), forces from outside `f` (N: weight, air) and
+//! the elastic energy `E(x)` (J), every method advances
 //!
-//! `M v̇ = −∂E/∂x + f`, `ẋ = v`,
+//! `M v̇ = f − ∂E/∂x`, `ẋ = v`
 //!
-//! and what implicit Euler makes of one step, the minimum of the incremental potential
-//! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` with `x̃ = x + Δt v + Δt² M⁻¹f`, is the reference that all of them are held
-//! against ([`measure::IncrementalPotential`]).
+//! from `xₙ`, `vₙ` by a step `Δt` (s) to `xₙ₊₁`, `vₙ₊₁`. Implicit Euler takes for `xₙ₊₁` a minimum of the incremental
+//! potential (J)
+//!
+//! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)`, with `x̃ = xₙ + Δt vₙ + Δt² M⁻¹f` and `‖u‖²_M = uᵀM u = Σ mᵢ ‖uᵢ‖²`.
+//!
+//! There `∂G/∂x` is zero, `M (xₙ₊₁ − xₙ − Δt vₙ)/Δt² = f − ∂E/∂x(xₙ₊₁)`. With `vₙ₊₁ = (xₙ₊₁ − xₙ)/Δt` this is
+//! implicit Euler, `M (vₙ₊₁ − vₙ)/Δt = f − ∂E/∂x(xₙ₊₁)`. Such a minimum is the reference that all methods are held
+//! against ([`measure::IncrementalPotential`]). Where E is not convex there may be several. The reference is damped: a
+//! small oscillation of angular frequency ω (1/s) shrinks by `1/√(1 + ω²Δt²)` in every step, a stiff one most.
 //!
 //! # Equation → code
 //!
@@ -51,8 +58,11 @@
 //! | `E = ½ K (‖q x‖ − r)²`, curved at rest | [`energy::CurvedHinge`] |
 //! | `E = ½ K (θ − θ₀)²`, with `K = D e²/(A₀ + A₁)` | [`energy::DihedralHinge`] |
 //! | `E = K (1 − cos(θ − θ₀))` as a cubic polynomial | [`energy::CubicShell`] |
-//! | `E = ½ A G:C:G`, `G = ½(FᵀF − I)` | [`energy::StvkTriangle`] |
+//! | `E = ½ K ‖q m‖²`, m the midpoints of edges | [`energy::MidpointHinge`] |
+//! | `E = ½ A G:H:G`, Green strain `G = ½(FᵀF − I)` | [`energy::StvkTriangle`] |
 //! | `E = ½ A k ‖F − R‖²` | [`energy::ArapTriangle`] |
+//! | `E = ½ k (l − clamp(l))²`, slack in a range of lengths | [`energy::StrainLimitSpring`] |
+//! | `E = ½ A k Σ (σ − clamp(σ))²`, slack in a range of stretches | [`energy::StrainLimitTriangle`] |
 //! | `E = ½ k (A − A₀)²`, `E = ½ k (V − V₀)²` | [`energy::AreaTriangle`], [`energy::VolumeTetrahedron`] |
 //! | `E = ½ k ‖x − p‖²` | [`energy::Attachment`] |
 //! | `E = ½ k (‖x₀ − x₁‖ − L(t))²`, L falling to 0 | [`energy::Stitch`] |
@@ -64,7 +74,7 @@
 //! | `E = ½ w ‖S x − p‖²` | [`element::Projective`] |
 //! | `3V − E = 3χ + E_b` | [`topology::Topology`]; the rank: `dof::EdgeRank` |
 //!
-//! Each file names the paper that its equations come from.
+//! Each file defines its letters, and names the paper that its equations come from.
 //!
 //! # Limits
 //!
@@ -73,13 +83,20 @@
 //!   stiffness of its own, for rectangular cells. The stretch and shear conditions of Baraff and Witkin are not among
 //!   the elements.
 //! - A [`cloth::Cloth`] is cut to springs, whose modulus depends on the pattern of the mesh ([`cloth::Membrane`]), and
-//!   to quadratic hinges, which are flat at rest, unless [`cloth::Discretization`] choose other elements of [`energy`].
-//!   Hinges have a Poisson's ratio of their own, which the pattern of the mesh decides: −1/3 on equilateral triangles.
+//!   to quadratic hinges, which are flat at rest, unless [`cloth::Discretization`] chooses other elements of
+//!   [`energy`]. Hinges have a Poisson's ratio of their own, which the pattern of the mesh decides: −1/3 on equilateral
+//!   triangles.
 //!
 //! # Errors
 //!
-//! What depends on data returns an error that names the vertex, face, line or number: [`MeshError`], [`BuildError`],
-//! [`StepError`]. Lists of the wrong length are mistakes of a program and panic.
+//! What depends on data returns an error that names the vertex, face, line or number: [`MeshError`],
+//! [`ParticleError`](particles::ParticleError), [`ClothError`](cloth::ClothError), [`BuildError`], [`StepError`], and
+//! those of single modules. Lists of the wrong length are mistakes of a program and panic.
+//!
+//! Numbers are checked where a mesh, masses, a cloth, air or an [`enclosure`] is made ([`TriMesh::new`],
+//! [`Particles::new`], [`Cloth::on`], [`air::Air::new`]). The constructors of elements in [`energy`] take stiffnesses
+//! and rest shapes as they are, negative and infinite ones too; only strain limits panic, if they are negative or out
+//! of order. The builder of a solver checks its settings, and that every vertex exists.
 //!
 //! # Features
 //!

@@ -7,6 +7,13 @@ use std::sync::Arc;
 
 /// Lumped masses (kg) and their inverses (1/kg), both of length `V`, the diagonal of the mass matrix `M`.
 ///
+/// Linear triangles of areal density ρ (kg/m²) have the consistent mass matrix `∫ ρ φᵢ φⱼ`, with φᵢ linear on each
+/// triangle, 1 at vertex i and 0 at all others. A triangle of area A adds `ρA/6` to it for each corner and `ρA/12` for
+/// each pair of corners. *Lumped* means that each row is summed onto the diagonal: `ρA/6 + 2ρA/12 = ρA/3` for each
+/// corner. Total mass and centre of mass stay the same. `M⁻¹` is then one number per vertex: explicit and
+/// position-based methods need that, as they move vertices without solving for all of them. The price is an error of
+/// second order in the edge length, of the moments of inertia for instance.
+///
 /// A vertex with inverse mass 0 is *prescribed* (pinned): no force moves it. It travels with
 /// its own velocity, which the caller sets: zero holds it still, and [`crate::pin::Pins`] makes it
 /// follow a path.
@@ -58,7 +65,8 @@ impl Particles {
         self.rest_positions.as_deref()
     }
 
-    /// A third of each triangle's mass to each of its corners; `density` in kg/m².
+    /// A third of each triangle's mass to each of its corners, the sum of a row of its consistent mass matrix;
+    /// `density` in kg/m².
     ///
     /// # Errors
     /// [`ParticleError::InvalidDensity`] if the density is not a positive finite number, [`ParticleError::InvalidMass`]

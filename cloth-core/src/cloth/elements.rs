@@ -1,4 +1,8 @@
-//! Families of the energies of this crate, to be kept in one list whatever their kind.
+//! Families of the energies that a cloth is made of, to be kept in one list whatever their kind.
+//!
+//! [`AreaTriangle`](crate::energy::AreaTriangle), [`VolumeTetrahedron`](crate::energy::VolumeTetrahedron) and
+//! [`Attachment`](crate::energy::Attachment) are not among them. They go to a builder by its `energy`, as elements of
+//! your own do.
 
 use crate::element::{Constraint, Energy, Projective};
 use crate::energy::{

@@ -8,8 +8,8 @@ use crate::topology::HingeTable;
 /// need it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cotangents {
-    /// `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, dimensionless, sum 0:
-    /// with its signs corrected.
+    /// `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, dimensionless, sum 0.
+    /// The last two are negative, as they are not in some texts; see [`super::CurvatureHinge`], which derives q.
     pub(super) coefficients: [Real; 4],
     /// `cot θ₀ … cot θ₃` (dimensionless): of the first triangle at `x₀` and `x₁`, of the second at `x₀` and `x₁`.
     pub(super) angles: [Real; 4],

@@ -17,11 +17,21 @@ use crate::topology::HingeTable;
 ///
 /// `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`,
 ///
-/// θ₀, θ₁ the angles of the first triangle at `x₀`, `x₁`, and θ₂, θ₃ those of the second, is zero for every flat
-/// configuration, and `‖z‖ = 2e sin(θ/2)` when the hinge is folded by θ without stretching. The energy
-/// is `E = ½ K ‖z‖²` with `K = k·3/(A₀ + A₁)` (N/m): quadratic in the positions, so the Hessian is constant and
-/// semi-definite. (Some texts print the last two entries of q as positive; then the entries
-/// do not sum to zero and a translation costs energy.)
+/// θ₀, θ₁ the angles of the first triangle at `x₀`, `x₁`, and θ₂, θ₃ those of the second, all at rest, is zero for
+/// every flat configuration, and `‖z‖ = 2e sin(θ/2)` when the hinge, of an edge of length e, is folded by θ without
+/// stretching. The energy is `E = ½ K ‖z‖²` with `K = k·3/(A₀ + A₁)` (N/m): quadratic in the positions, so the Hessian
+/// is constant and semi-definite. (Some texts print the last two entries of q as positive; then the entries do not sum
+/// to zero and a translation costs energy.)
+///
+/// Why z: the part of the first triangle, `cot θ₁ x₀ + cot θ₀ x₁ − (cot θ₀ + cot θ₁) x₂`, is
+/// `(cot θ₀ + cot θ₁)(p − x₂)`, with p the foot of the height h from `x₂` to the edge. The foot divides the edge into
+/// `h cot θ₀` and `h cot θ₁`, so `(cot θ₀ + cot θ₁) h = e`: the part is a vector across the edge, from the tip to the
+/// edge, of length e. So is that of the second triangle. The two are opposite where the hinge is flat, and make the
+/// angle π − θ where it is folded; their sum is `2e cos((π − θ)/2) = 2e sin(θ/2)` long.
+///
+/// Why K: a triangle has three edges, so a third of both triangles belongs to this one, `a = (A₀ + A₁)/3` (m²).
+/// `‖z‖/a`, for small folds `e θ/a`, is a curvature (1/m), and `½ k (‖z‖/a)² a = ½ K ‖z‖²` its energy over that area.
+/// [`crate::energy`] has an example.
 ///
 /// Its three rows are the coordinates of `z`. They are linear, and PBD and XPBD solve them exactly.
 ///

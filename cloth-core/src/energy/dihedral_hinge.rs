@@ -35,16 +35,18 @@ pub enum HingeLaw {
 ///
 /// `θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)`, with `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e`.
 ///
-/// One row. By the first law `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous
+/// One row. By the first law `C = θ − θ₀` (rad), taken the short way round into [−π, π], so that `E` stays continuous
 /// when a wing passes from π to −π; by the second the root of `2E/K`, with the sign of `θ − θ₀`. The gradient of θ is
 /// `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge by the lever rule:
 /// `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with `tᵢ = (xᵢ − x₀)·e/‖e‖²`.
-/// The Hessian follows from these with `∂n = [e]× ∂d − [d]× ∂e`, d = xᵢ − x₀.
+/// The Hessian follows from these with `∂n = [e]× ∂d − [d]× ∂e` for `n = e × d`: that is `n₂` for `d = x₂ − x₀`, and
+/// `−n₃` for `d = x₃ − x₀`.
 ///
-/// Limits: by the first law E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`, and by the second
-/// it jumps where a wing passes through the other, `|θ| = π`, unless the hinge is flat at rest. A hinge with a wing of zero area
-/// (or an edge of zero length) has no angle; value, gradient and Hessian are then defined to be zero, and the hinge
-/// does nothing until its wings have an area again. Near that the gradient grows as one over the height of the wing.
+/// Limits: by the first law E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`, and by the
+/// second it jumps where a wing passes through the other, `|θ| = π`, unless the hinge is flat at rest. A hinge with a
+/// wing of zero area (or an edge of zero length) has no angle; value, gradient and Hessian are then defined to be zero,
+/// and the hinge does nothing until its wings have an area again. Near that the gradient grows as one over the height
+/// of the wing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DihedralHinge {
     /// Edge `x₀ x₁`, then the wing tips `x₂`, `x₃`.
@@ -123,7 +125,7 @@ impl DihedralHinge {
     }
 }
 
-/// C, C′ and C C″ of `C² = 4 (cos a − cos b − (b − a) sin a)`, with a and b half of the rest angle and the angle:
+/// C, C′ and C C″ of `C² = 8 (cos a − cos b − (b − a) sin a)`, with a and b half of the rest angle and the angle:
 /// `C = (θ − θ₀) √q`, with q as below free of cancellation, `C C′ = 2 (sin b − sin a)` and `C′² + C C″ = cos b`.
 fn half_sine(angle: Real, rest_angle: Real) -> [Real; 3] {
     let (a, b) = (0.5 * rest_angle, 0.5 * angle);

@@ -17,9 +17,9 @@ use crate::math::{Real, Vec3};
 ///
 /// `z = 2 (cot θ₀ + cot θ₁ + cot θ₂ + cot θ₃) m − 2 (cot θ₀ m₀₂ + cot θ₁ m₁₂ + cot θ₂ m₀₃ + cot θ₃ m₁₃)` (m)
 ///
-/// is the length of the edge times the sum of the slopes at which the triangles leave it. Where the triangles fit
-/// together at the vertices, it is the vector `z` of [`super::CurvatureHinge`], and so is the energy `E = ½ K ‖z‖²`,
-/// `K = k·3/(A₀ + A₁)` (N/m).
+/// is the length of the edge times the sum of two unit vectors, of each triangle the one across the edge, from its tip
+/// to the edge (as long as it is not stretched). Where the triangles fit together at the vertices, it is the vector `z`
+/// of [`super::CurvatureHinge`], and so is the energy `E = ½ K ‖z‖²`, `K = k·3/(A₀ + A₁)` (N/m).
 ///
 /// For a smooth surface the sum of all these energies tends to `½ k ∫ (κ₁ + κ₂)²` once the midpoints have settled, so
 /// `k` is the rigidity D itself.

@@ -10,18 +10,30 @@ use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-/// A triangle of an isotropic sheet in plane stress, `E = A·½ G:C:G` (J) with the Green strain `G = ½(FᵀF − I)`
+/// A triangle of an isotropic sheet in plane stress, `E = A·½ G:H:G` (J) with the Green strain `G = ½(FᵀF − I)`
 /// (dimensionless).
 ///
-/// F (3 × 2) maps rest to present. The rows are G in the eigenbasis of the plane-stress matrix C,
+/// F (3 × 2) maps rest to present. Plane stress: a thin sheet has no stress across its thickness t, so its modulus Y
+/// (N/m) is Young's modulus times t. H takes the strain to the second Piola–Kirchhoff stress S (N/m):
+///
+/// ```text
+/// ⎡S₁₁⎤               ⎡1  ν      0    ⎤ ⎡ G₁₁⎤
+/// ⎢S₂₂⎥ = Y/(1 − ν²)  ⎢ν  1      0    ⎥ ⎢ G₂₂⎥
+/// ⎣S₁₂⎦               ⎣0  0  (1 − ν)/2⎦ ⎣2G₁₂⎦
+/// ```
+///
+/// or, with Lamé's coefficients, `S = 2μ G + λ tr(G) I`, `μ = Y/(2(1 + ν))`, `λ = Y ν/(1 − ν²)`. This λ is not t times
+/// that of the solid, `Y ν/((1 + ν)(1 − 2ν))`, which holds where the thickness cannot change.
+///
+/// The rows are G in the eigenbasis of H,
 ///
 /// `C = ((G₁₁ + G₂₂)/√2, (G₁₁ − G₂₂)/√2, √2 G₁₂)`, `k = (A Y/(1 − ν), A Y/(1 + ν), A Y/(1 + ν))`,
 ///
 /// so `E = ½ Σ k C²` is diagonal. Pulled to s times its length along one direction the sheet answers with
 /// `P = Y s (s² − 1)/2` (N/m), and gets `√(1 − ν (s² − 1))` times as wide, in any direction.
 ///
-/// Limits: pressed below `s = 1/√3` the force decreases, and a triangle pressed to nothing costs a finite energy. A
-/// collapsed triangle is finite everywhere, as E is a polynomial.
+/// Limits: pressed below `s = 1/√3` the force decreases, and a triangle pressed to nothing costs a finite energy. E is
+/// a polynomial of the positions, so E and its derivatives are finite for a collapsed triangle too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StvkTriangle {
     /// Its three corners.

@@ -3,6 +3,10 @@
 use crate::math::{Real, Vec3};
 
 /// F (3 × 2, dimensionless) as a function of the corners: `F = Σ xᵢ bᵢᵀ`.
+///
+/// F takes the edges at rest to those of now: `F D_m = [x₁ − x₀, x₂ − x₀]`. The columns of `D_m` (2 × 2, m) are the
+/// same two edges at rest, in a frame of the rest triangle. So `b₁` and `b₂` are the rows of `D_m⁻¹`, and
+/// `b₀ = −b₁ − b₂`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TriangleMap {
     /// `bᵢ` (1/m), in a frame of the rest triangle whose first axis runs along `x₀ x₁`; they sum to zero.
@@ -17,7 +21,7 @@ impl TriangleMap {
         let twice_area = along.cross(&side).norm();
         let width = along.norm();
         let (foot, height) = (along.dot(&side) / width, twice_area / width);
-        // The inverse of the matrix of rest edges, [[width, foot], [0, height]].
+        // The rows of the inverse of D_m = [[width, foot], [0, height]].
         let first = [1.0 / width, -foot / twice_area];
         let second = [0.0, 1.0 / height];
         Self {

@@ -1,11 +1,16 @@
 //! How far to go along a direction of descent: backtracking, with the condition left to the method.
 //!
+//! The usual condition is Armijo's: of a length t along a direction p it asks that the objective G falls by a fraction
+//! of what its slope at x promises, `G(x + t p) ≤ G(x) + c t ∇G(x)·p`, with c = 10⁻⁴ ([`ARMIJO`]). The slope `∇G(x)·p`
+//! is negative, so a length that is short enough fulfils it. The next length to try after t is the minimum of the
+//! parabola with the value and the slope of G at 0 and its value at t.
+//!
 //! J. Nocedal and S. J. Wright, *Numerical Optimization*, 2nd ed., 2006, section 3.1 (Armijo's condition) and 3.5
 //! (interpolation).
 
 use crate::math::Real;
 
-/// Part of the promised decrease that has to be kept (Armijo's constant).
+/// Armijo's constant c: the fraction of the promised decrease that has to be kept.
 pub const ARMIJO: Real = 1e-4;
 
 /// What is known at a step length that was tried.

@@ -14,6 +14,11 @@
 //! | `w = b (1 + β·(r − m))` | weights of P, exact for linear functions | `weights` |
 //! | lengths of ways over the cloth | links of the coarse vertices of a mesh | [`coarse_levels`] |
 //!
+//! Why `Pᵀ A P`: to solve `A x = b` with a symmetric positive definite A is to minimise `½ xᵀA x − bᵀx`. The correction
+//! of the form `P y` that makes this least at `x + P y` solves `Pᵀ A P y = Pᵀ(b − A x)`. So the coarse operator and the
+//! restriction follow from P; the best such correction never raises what is minimised; and the coarse level needs no
+//! mesh and no elements.
+//!
 //! Position-based dynamics has no matrix. Its levels are those of the mesh at rest ([`coarse_levels`]), interpolated by
 //! the same weights, with links over the cloth in place of the coarse operator. Links are projected and nothing is
 //! smoothed after them, so they ask more of a level: half of the vertices instead of a quarter, each among its parents,

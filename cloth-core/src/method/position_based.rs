@@ -22,7 +22,8 @@
 //!
 //! Because `Σᵢ ∂C/∂xᵢ = 0` for a constraint that is invariant under translation, a correction does not change
 //! `Σ m x`, whatever Δλ is; and if it is invariant under rotation too, `Σ m x × Δx = 0` (Müller et al. 2007,
-//! section 3.3).
+//! section 3.3). Both hold as long as no vertex of the row is prescribed: such a vertex takes no part in the
+//! correction.
 //!
 //! M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image
 //! Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>.
