@@ -121,7 +121,7 @@
 //! |---|---|
 //! | floor, wall, smooth body whose radii are larger than the triangles of the cloth | [`obstacle`](PotentialBuilder::obstacle) alone |
 //! | corners and sharp edges, or a body smaller than a triangle | with its [`surface`](PotentialBuilder::surface) |
-//! | a rigid mesh of many triangles | a [`SampledDistance`](crate::obstacle::SampledDistance), error √3/2 of its spacing, with the surface |
+//! | a rigid mesh of many triangles | a [`SampledDistance`](crate::obstacle::SampledDistance), off by a quarter of its spacing at edges, with the surface |
 //! | a body that deforms, or an open one | [`animated`](PotentialBuilder::animated) |
 //! | a sheet that cannot reach itself | [`self_collision(false)`](PotentialBuilder::self_collision) |
 //! | pieces sewn together, or layers that may pass | [`sew`](PotentialBuilder::sew), [`exclude`](PotentialBuilder::exclude) |

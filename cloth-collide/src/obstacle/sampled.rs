@@ -8,19 +8,24 @@ use std::fmt;
 /// Most samples that a grid may have: half a gigabyte of them.
 const MOST_SAMPLES: usize = 1 << 26;
 
-/// The signed distance of another shape, taken at the nodes of a regular grid once; in between it is that of a quadratic
-/// B-spline with the samples as its coefficients. A query costs 27 look-ups, however many triangles the shape has.
+/// Largest Σ |w| ‖d‖ (spacings) over the nodes, w their weights in φ with those of c, d their distances from the point:
+/// half-way between all nodes.
+const FARTHEST: Real = 1.82;
+
+/// The signed distance of another shape, taken at the nodes of a regular grid once; in between it is a quadratic
+/// B-spline. A query costs 27 look-ups, however many triangles the shape has.
 ///
 /// Along an axis, t spacings from the nearest node, −½ ≤ t ≤ ½, that node and its two neighbours have the weights
-/// ½ (½ − t)², ¾ − t², ½ (½ + t)². They are not negative, and add up to 1; the mean of the places of the nodes by them
-/// is the point, and the variance ¼ of the spacing squared everywhere. So φ is exact where it is linear, it has a
-/// continuous gradient, which energies of contact need, and it is a mean of samples that are √3/2 of the spacing away
-/// (the root of the mean square).
+/// ½ (½ − t)², ¾ − t², ½ (½ + t)², and all weights have continuous derivatives: so has φ, which energies of contact
+/// need. The mean of the places of the nodes by the weights is the point, and the variance is ¼ of the spacing squared
+/// everywhere. So the spline of the samples themselves would be right where the distance is linear, and off by ⅛ of the
+/// spacing squared times its Laplacian elsewhere. That much, by second differences, is taken from the samples first:
+/// c = φ − ⅛ Σ (φ₋ − 2φ + φ₊) over the axes. The spline of c is right for quadratic functions, and off by the third
+/// power of the spacing where the surface is smooth.
 ///
 /// **What is approximate.** Inside the grid, φ differs from the shape's own by at most
-/// [`SampledDistance::error_bound`], √3/2 of the spacing; far less where the surface is smooth, ⅛ of the spacing squared
-/// times ∇²φ (twice the mean curvature), more than a little only at edges, which come out rounded. The gradient is that
-/// of this φ, so its length, [`Distance::slope`], is not quite 1.
+/// [`SampledDistance::error_bound`], 1.82 spacings; in tests by up to a quarter of one, at edges, which come out rounded.
+/// The gradient is that of this φ, so its length, [`Distance::slope`], is not quite 1.
 ///
 /// **Outside the grid** nothing is known but what follows from the samples: with q the nearest point of the grid's box
 /// and r the distance from it, φ = √(r² + φ(q)²). No point of the shape is nearer than that (to the same bound),
@@ -32,7 +37,8 @@ pub struct SampledDistance {
     spacing: Real,
     /// Number of nodes along each axis, at least 4: one row lies outside of the box on each side.
     nodes: [usize; 3],
-    samples: Vec<Real>,
+    /// c (m), the one for x last to change.
+    coefficients: Vec<Real>,
     lipschitz: Real,
     error_bound: Real,
     shape_bounds: Bounds,
@@ -54,7 +60,8 @@ impl SampledDistance {
         let shape_bounds = shape.bounds().ok_or(ObstacleError::Unbounded)?;
         let lower = shape_bounds.lower.add_scalar(-padding);
         let extent = shape_bounds.upper.add_scalar(padding) - lower;
-        let counts = extent.map(|x| (x / spacing).ceil().max(1.0) + 3.0);
+        // Two rows more than the box has on each side.
+        let counts = extent.map(|x| (x / spacing).ceil().max(1.0) + 5.0);
         let count = counts.product();
         if count > MOST_SAMPLES as Real {
             return Err(ObstacleError::TooManySamples {
@@ -62,25 +69,35 @@ impl SampledDistance {
                 limit: MOST_SAMPLES,
             });
         }
-        let nodes = [counts.x as usize, counts.y as usize, counts.z as usize];
-        let first = lower.add_scalar(-spacing);
-        let mut samples = Vec::with_capacity(nodes.iter().product());
-        for z in 0..nodes[2] {
-            for y in 0..nodes[1] {
-                for x in 0..nodes[0] {
+        let [nx, ny, nz] = [counts.x as usize, counts.y as usize, counts.z as usize];
+        let first = lower.add_scalar(-2.0 * spacing);
+        let mut samples = Vec::with_capacity(nx * ny * nz);
+        for z in 0..nz {
+            for y in 0..ny {
+                for x in 0..nx {
                     let step = Vec3::new(x as Real, y as Real, z as Real) * spacing;
                     samples.push(shape.signed_distance(first + step).value);
                 }
             }
         }
+        let mut coefficients = Vec::with_capacity((nx - 2) * (ny - 2) * (nz - 2));
+        for z in 1..nz - 1 {
+            for y in 1..ny - 1 {
+                for x in 1..nx - 1 {
+                    let at = x + nx * (y + ny * z);
+                    let around = [1, nx, nx * ny].map(|k| samples[at - k] + samples[at + k]);
+                    coefficients.push(1.75 * samples[at] - 0.125 * around.iter().sum::<Real>());
+                }
+            }
+        }
         let mut sampled = Self {
             lower,
-            upper: lower + counts.add_scalar(-3.0) * spacing,
+            upper: lower + counts.add_scalar(-5.0) * spacing,
             spacing,
-            nodes,
-            samples,
+            nodes: [nx - 2, ny - 2, nz - 2],
+            coefficients,
             lipschitz: 1.0,
-            error_bound: 0.75f64.sqrt() * spacing * shape.lipschitz(),
+            error_bound: FARTHEST * spacing * shape.lipschitz(),
             shape_bounds,
         };
         sampled.lipschitz = sampled.steepest();
@@ -93,12 +110,12 @@ impl SampledDistance {
         self.error_bound
     }
 
-    /// The 27 samples around a node, the one for x last to change: `[z][y][x]`.
+    /// The 27 coefficients around a node, the one for x last to change: `[z][y][x]`.
     fn around(&self, node: [usize; 3]) -> [[[Real; 3]; 3]; 3] {
         let [nx, ny, _] = self.nodes;
         let row = |y: usize, z: usize| {
             let first = node[0] - 1 + nx * (node[1] + y - 1 + ny * (node[2] + z - 1));
-            [0, 1, 2].map(|x| self.samples[first + x])
+            [0, 1, 2].map(|x| self.coefficients[first + x])
         };
         std::array::from_fn(|z| std::array::from_fn(|y| row(y, z)))
     }
@@ -115,12 +132,12 @@ impl SampledDistance {
         });
         let [slope_x, slope_y, slope_z] = t.map(|t| [t - 0.5, -2.0 * t, t + 0.5]);
         let dot = |a: &[Real; 3], b: &[Real; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let samples = self.around(node);
-        let along_x = samples.map(|plane| plane.map(|row| dot(&row, &x)));
+        let c = self.around(node);
+        let along_x = c.map(|plane| plane.map(|row| dot(&row, &x)));
         let along_y = along_x.map(|row| dot(&row, &y));
         let gradient = Vec3::new(
             dot(
-                &samples.map(|plane| dot(&plane.map(|row| dot(&row, &slope_x)), &y)),
+                &c.map(|plane| dot(&plane.map(|row| dot(&row, &slope_x)), &y)),
                 &z,
             ),
             dot(&along_x.map(|row| dot(&row, &slope_y)), &z),

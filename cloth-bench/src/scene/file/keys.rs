@@ -138,7 +138,7 @@ crate::settings! {
         interval: Option<Real> = "1/60" "s" in Above(0.0),
             "time between two shapes of an animation; vertices go straight in between";
         sampled: Option<Real> = "none" "m" in Above(0.0),
-            "of a mesh: spacing of a grid in which its signed distance is looked up, at most 0.87 spacings off; none: \
+            "of a mesh: spacing of a grid in which its signed distance is looked up, a quarter of a spacing off at edges; none: \
              it is exact";
         position: Option<Vec3> = "[0, 0, 0]" "m", "of the middle, or of a point on a plane, at the start";
         rotate: Option<Vec3> = "[0, 0, 0]" "rad",
