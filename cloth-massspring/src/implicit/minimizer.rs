@@ -358,9 +358,11 @@ impl Minimizer {
             if found.length < LOST && norm <= STALL * rounding {
                 return Ok(End::Done(Outcome::Converged));
             }
-            let length = match found.length {
-                1.0 => self.extend(task, contact, slope)?,
-                shorter => shorter,
+            // What is linearised has the curvature that the matrix says.
+            let is_whole = found.length == 1.0 && task.config.solve != Solve::Linearized;
+            let length = match is_whole {
+                true => self.extend(task, contact, slope)?,
+                false => found.length,
             };
             let (from, to) = (&self.current.gradient, &self.next.gradient);
             method.remember(length, &self.direction, from, to);

@@ -4,6 +4,10 @@
 //! true curvature is small or negative, and whole steps there are many and short. The slope at the end of one tells. If
 //! a large part of it is left, the secant through both slopes says where it would be zero, and one more step along the
 //! same direction goes there: it costs a look at contact and an evaluation, and no solve.
+//!
+//! *Tried in vain*, on six scenes with contact: other numbers than those below (0.3 and 0.7, 10, 0.1), which make no
+//! difference beyond chance; two or more such steps; and pairs of L-BFGS around the truncated Newton direction, with
+//! which a tablecloth takes 2.7 times as many iterations.
 
 use super::{Contact, Minimizer, Task, with};
 use crate::implicit::line_search::{self, Point};
