@@ -120,7 +120,7 @@ impl Family for Springs {
                 let ends = [pack.vertices[i], pack.vertices[i + 4]];
                 let [a, b] = ends.map(|end| &x[end as usize]);
                 // Padding has no velocity.
-                let held = [a, b].map(|x| is_prescribed(x));
+                let held = [a, b].map(is_prescribed);
                 if lambda == 0.0 || held == [false, false] {
                     continue;
                 }
