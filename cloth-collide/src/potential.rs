@@ -18,10 +18,10 @@
 //! This leaves far fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three
 //! times as long.
 //!
-//! Before a body with creases ([`SignedDistance::each_part`]) E is the sum over all parts of its surface within h,
-//! triangles less edges plus vertices: ψ(φ) wherever one point is nearest, and the push of both sides in a crease. By φ
-//! alone the gradient of E would jump there, just where cloth comes to rest, and no iteration on E would end. Methods
-//! that project take φ, and go from side to side within a sweep.
+//! Before a body with concave edges ([`SignedDistance::each_part`]) E is the sum over all parts of its surface within h,
+//! triangles less edges plus vertices: ψ(φ) wherever one point is nearest, and the push of both sides of such an edge.
+//! By φ alone the gradient of E would jump there, just where cloth comes to rest, and no iteration on E would end.
+//! Methods that project take φ, and go from side to side within a sweep.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ. Without A ψ′ ∂²d, even Newton's iteration converges no faster than linearly where contact points slide or the

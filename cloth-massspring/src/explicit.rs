@@ -134,8 +134,6 @@ struct Explicit {
     rate: Vec<Vec3>,
     /// Positions (m) before a substep; empty while no contact is felt.
     start: Vec<Vec3>,
-    /// Start and end (s) of the last substep.
-    last: [Real; 2],
     projection: Projection,
     monitor: Option<StabilityMonitor>,
 }
@@ -156,7 +154,6 @@ impl Explicit {
             velocities: zeros.clone(),
             gradient: zeros,
             start: Vec::new(),
-            last: [Real::NAN; 2],
             projection: Projection::default(),
             monitor,
         }
@@ -188,14 +185,10 @@ impl Explicit {
         }
         let substeps = self.model.config.substeps;
         let mut pin_work = 0.0;
-        if self.last[1] == state.time {
-            self.model.energies.set_time(self.last[0]);
-        }
         for substep in 1..=substeps {
             let part = |number: u32| dt * Real::from(number) / Real::from(substeps);
             let times = [substep - 1, substep].map(|number| state.time + part(number));
             let work = self.set_time(times);
-            self.last = times;
             match self.substep(&mut input, work) {
                 Ok(balance) => pin_work += balance.pin_work,
                 Err(failure) => return Err(self.report(failure, &input, step)),
@@ -215,7 +208,6 @@ impl Explicit {
         std::mem::swap(&mut state.positions, &mut self.positions);
         std::mem::swap(&mut state.velocities, &mut self.velocities);
         state.time += input.dt;
-        self.last[1] = state.time;
         state.steps += 1;
         Ok(StepReport {
             pin_work: Some(pin_work),
@@ -226,7 +218,7 @@ impl Explicit {
     /// Sets the elements to the start of a substep, where its forces are taken, and returns the work (J) that the
     /// change of their rest data does on the cloth: half of that over this substep and half of that over the one
     /// before, both at the positions between the two. The whole of either, at positions of one of its ends, would be
-    /// off to the same side in every substep.
+    /// off to the same side in every substep. The first substep of a step has its own half only.
     fn set_time(&mut self, [start, end]: [Real; 2]) -> Real {
         let (energies, x) = (&mut self.model.energies, &self.positions);
         let before = energies.timed_value(x);

@@ -7,7 +7,7 @@ mod ccd;
 mod changes;
 mod cli;
 mod commands;
-mod creases;
+mod concave_edges;
 mod crumpled;
 mod energy;
 mod error;

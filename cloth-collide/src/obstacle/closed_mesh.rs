@@ -1,6 +1,6 @@
 //! The inside of a closed mesh.
 
-mod creases;
+mod concave_edges;
 
 use super::{Distance, ObstacleError, SignedDistance};
 use crate::bounds::Bounds;
@@ -22,7 +22,7 @@ use std::fmt;
 /// of the normals around a vertex, and the sum of both normals at an edge, never do (Bærentzen and Aanæs 2005). With
 /// that, the sign is right wherever the distance is more than rounding.
 ///
-/// In a crease, an edge whose sides meet at less than 180° outside, two triangles are nearest and the gradient of φ
+/// Above a concave edge, whose sides meet at less than 180° outside, two triangles are nearest and the gradient of φ
 /// jumps. What minimises an energy of φ comes to rest in just these places, and would go from side to side without end;
 /// so such energies take [`SignedDistance::each_part`].
 ///
@@ -73,9 +73,9 @@ impl ClosedMesh {
             }
         }
         let leaves: Vec<_> = corners().map(|x| aabb(&Bounds::around(x))).collect();
-        let shares = match creases::is_convex(mesh, &table, &faces) {
+        let shares = match concave_edges::is_convex(mesh, &table, &faces) {
             true => Vec::new(),
-            false => creases::shares(mesh),
+            false => concave_edges::shares(mesh),
         };
         Ok(Self {
             shares,

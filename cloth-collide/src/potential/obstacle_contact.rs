@@ -54,7 +54,7 @@ impl ObstacleContact<'_> {
     }
 
     /// Hands `visit` unit normals and stiffnesses (N/m) of which Σ k n nᵀ is A Σ w ψ″ ∂d ∂dᵀ, or what is positive in
-    /// it: in a crease weights are of both signs.
+    /// it: above a concave edge weights are of both signs.
     pub(super) fn each_stiffness(&self, mut visit: impl FnMut(Vec3, Real)) {
         let (mut count, mut only, mut sum) = (0, (Vec3::zeros(), 0.0), Mat3::zeros());
         let (place, range) = (self.place, self.law.range());

@@ -5,11 +5,11 @@ mod animated;
 mod body_surfaces;
 mod candidates;
 mod ccd;
+mod concave_edges;
 mod contact_laws;
 mod contact_memory;
 #[path = "../../../cloth-core/tests/support/counting_allocator.rs"]
 mod counting_allocator;
-mod creases;
 mod edges_matter;
 mod first_contact;
 mod garments;

@@ -68,7 +68,7 @@ pub(super) fn search(
 }
 
 /// Moves `to` to `from + length · direction`.
-fn place(from: &Point, direction: &[Vec3], length: Real, to: &mut Point) {
+pub(super) fn place(from: &Point, direction: &[Vec3], length: Real, to: &mut Point) {
     for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
         *to = from + p * length;
     }

@@ -1,6 +1,6 @@
 //! The minimisation of one stage: which method begins, when it is done, and which takes over.
 
-mod extension;
+mod extrapolation;
 mod linearized_step;
 
 use super::line_search::{self, Point};
@@ -80,6 +80,14 @@ pub(super) struct Task<'a> {
     pub(super) before: &'a [Vec3],
     /// The step, counted from 1.
     pub(super) step: u64,
+}
+
+impl Task<'_> {
+    /// What contact has refused ends the step.
+    fn refused(&self, reason: ContactError) -> StepError {
+        let step = self.step;
+        StepError::Contact { reason, step }
+    }
 }
 
 /// How the quasi-Newton iteration ended.
@@ -361,7 +369,7 @@ impl Minimizer {
             // What is linearised has the curvature that the matrix says.
             let is_whole = found.length == 1.0 && task.config.solve != Solve::Linearized;
             let length = match is_whole {
-                true => self.extend(task, contact, slope)?,
+                true => self.extrapolate(task, contact, slope)?,
                 false => found.length,
             };
             let (from, to) = (&self.current.gradient, &self.next.gradient);
@@ -386,9 +394,8 @@ impl Minimizer {
         to.positions.copy_from_slice(&from.positions);
         to.gradient.copy_from_slice(&from.gradient);
         method.settle_together(&task.stage, &**source, &mut self.next);
-        let step = task.step;
         let limited = source.limit(&self.current.positions, &self.next.positions);
-        if limited.map_err(|reason| StepError::Contact { reason, step })? < 1.0 {
+        if limited.map_err(|reason| task.refused(reason))? < 1.0 {
             return Ok(());
         }
         self.next.evaluate(&with(task, contact));
@@ -410,17 +417,14 @@ impl Minimizer {
         };
         self.follow(most);
         let (from, to) = (&self.current.positions, &self.next.positions);
-        let step = task.step;
         let limited = contact.limit(from, to);
-        let safe = limited.map_err(|reason| StepError::Contact { reason, step })?;
+        let safe = limited.map_err(|reason| task.refused(reason))?;
         Ok(most * safe)
     }
 
     /// Puts the next positions at `part` of the direction.
     fn follow(&mut self, part: Real) {
-        let ways = self.current.positions.iter().zip(&self.direction);
-        let ends = self.next.positions.iter_mut().zip(ways);
-        ends.for_each(|(to, (x, p))| *to = x + p * part);
+        line_search::place(&self.current, &self.direction, part, &mut self.next);
     }
 
     /// Follows `part` of the direction with every vertex as far as it alone can go, and evaluates what that comes to:
@@ -444,10 +448,9 @@ impl Minimizer {
         self.follow(part);
         let (from, to) = (&self.current.positions, &mut self.next.positions);
         self.parts.resize(from.len(), 1.0);
-        let step = task.step;
         source
             .limit_each(from, to, &mut self.parts)
-            .map_err(|reason| StepError::Contact { reason, step })?;
+            .map_err(|reason| task.refused(reason))?;
         let mut shortened = std::mem::take(&mut self.shortened);
         shortened.clear();
         let displacements = to.iter().zip(from).map(|(to, x)| to - x);

@@ -33,10 +33,9 @@ impl Minimizer {
         start.clone_from(&self.current.positions);
         let solved = newton::solve_once(self, task, report);
         let end = &self.current.positions;
-        let step = task.step;
         let is_apart = solved.and_then(|()| {
             let limited = source.limit(&start, end);
-            let safe = limited.map_err(|reason| StepError::Contact { reason, step })?;
+            let safe = limited.map_err(|reason| task.refused(reason))?;
             Ok(safe == 1.0 && source.add_gradient(end, &mut self.next.gradient) == 0.0)
         });
         match is_apart {

@@ -1,11 +1,11 @@
-//! Bodies with creases: what an energy of contact takes in the place of the distance is smooth.
+//! Bodies with concave edges: what an energy of contact takes in the place of the distance is smooth.
 
 use crate::random::Random;
 use cloth_collide::obstacle::{ClosedMesh, PenaltyLaw, SampledDistance, SignedDistance};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
 
-/// A cube of 1 m without its upper quarter at x, z > 0.5 m: a crease along y at (0.5, 0.5), and convex edges.
+/// A cube of 1 m without its upper quarter at x, z > 0.5 m: a concave edge along y at (0.5, 0.5), and convex edges.
 fn stair() -> ClosedMesh {
     let section = [
         [0.0, 0.0],
@@ -40,9 +40,9 @@ fn energy(body: &ClosedMesh, law: &PenaltyLaw, x: Vec3) -> (Real, Vec3) {
     (value, gradient)
 }
 
-/// Above the crease both sides press, less the edge between them; elsewhere the distance is all there is.
+/// Above the concave edge both sides press, less the edge between them; elsewhere the distance is all there is.
 #[test]
-fn parts_are_the_distance_but_in_a_crease() {
+fn parts_are_the_distance_but_above_a_concave_edge() {
     let (body, law) = (stair(), PenaltyLaw::new(1.0, 0.2).unwrap());
     let mut random = Random::new(3);
     let mut seen = [0, 0];
@@ -72,7 +72,7 @@ fn parts_are_the_distance_but_in_a_crease() {
     assert!(seen[0] > 100 && seen[1] > 3000, "{seen:?}");
 }
 
-/// In the plane between both sides the gradient of φ turns by 90°, and in a ring of flat parts at all of its creases.
+/// In the plane between both sides the gradient of φ turns by 90°, and in a ring of flat parts at all of its concave edges.
 #[test]
 fn gradient_of_the_energy_jumps_nowhere() {
     let law = PenaltyLaw::new(1.0, 0.2).unwrap();

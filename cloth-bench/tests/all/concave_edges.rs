@@ -1,4 +1,4 @@
-//! Cloth that comes to rest in a crease of a body.
+//! Cloth that comes to rest above a concave edge of a body.
 
 use crate::scene_text::scene;
 use cloth_bench::method::Method;

@@ -8,8 +8,8 @@
 //! for every ψ that has one (M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang and D. M.
 //! Kaufman, "Convergent incremental potential contact", 2023, <https://arxiv.org/abs/2307.15908>). Where the surface is
 //! convex or flat as far as the range of ψ, this is ψ of the distance: triangles that are nearest at one of their edges
-//! cancel against the edge, all but one, and around a vertex with n triangles n − n + 1 are left. In a crease both sides
-//! count, and so do two sides of a gap.
+//! cancel against the edge, all but one, and around a vertex with n triangles n − n + 1 are left. At a concave edge both
+//! sides count, and so do two sides of a gap.
 
 use super::ClosedMesh;
 use crate::bounds::Bounds;
@@ -21,24 +21,24 @@ use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::EdgeTable;
 
-/// A triangle this part of the size of a body above the plane of its neighbour makes a crease.
+/// A triangle this part of the size of a body above the plane of its neighbour makes the edge between them concave.
 const ABOVE: Real = 1e-9;
 
 /// Whether the surface, which is closed and does not pass through itself, is that of a convex body: in one piece, and
-/// without a crease.
+/// without a concave edge.
 pub(super) fn is_convex(mesh: &TriMesh, table: &EdgeTable, faces: &[Vec3]) -> bool {
     let pieces = joined(mesh.vertex_count(), table.ends());
     if pieces.iter().any(|&piece| piece != pieces[0]) {
         return false;
     }
     let size = Bounds::of(mesh.positions()).size();
-    let is_crease = |(&[a, b], &[end, _]): (&[u32; 2], &[u32; 2])| {
+    let is_concave = |(&[a, b], &[end, _]): (&[u32; 2], &[u32; 2])| {
         let start = mesh.positions()[end as usize];
         let other = gather(mesh.positions(), mesh.triangles()[b as usize]);
         let heights = other.map(|x| faces[a as usize].dot(&(x - start)));
         heights.iter().any(|&height| height > ABOVE * size)
     };
-    !table.sides().iter().zip(table.ends()).any(is_crease)
+    !table.sides().iter().zip(table.ends()).any(is_concave)
 }
 
 /// Of each vertex, 1 over the number of triangles around it.
