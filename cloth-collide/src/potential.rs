@@ -18,10 +18,10 @@
 //! This leaves far fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three
 //! times as long.
 //!
-//! Before a body with concave edges ([`SignedDistance::each_part`]) E is the sum over all parts of its surface within h,
-//! triangles less edges plus vertices: ψ(φ) wherever one point is nearest, and the push of both sides of such an edge.
-//! By φ alone the gradient of E would jump there, just where cloth comes to rest, and no iteration on E would end.
-//! Methods that project take φ, and go from side to side within a sweep.
+//! Before a body with concave edges ([`SignedDistance::each_part`]) E is the sum over all parts of its surface within
+//! h, triangles less edges plus vertices: ψ(φ) wherever one point is nearest, and the push of both sides of such an
+//! edge. By φ alone the gradient of E would jump there, just where cloth comes to rest, and no iteration on E would
+//! end. Methods that project take φ, and go from side to side within a sweep.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ. Without A ψ′ ∂²d, even Newton's iteration converges no faster than linearly where contact points slide or the
@@ -41,9 +41,9 @@
 //! is cut vertex by vertex (`limit_each`) need not be. The safe part of a path is 0 only where a fifth of the distance
 //! is lost in the rounding of positions, or a vertex is inside a body.
 //!
-//! Whether the iteration around it ends is the method's to say: no number of detections is promised. Those that minimise
-//! measure the Newton decrement against the change of velocity in the step, and end at their most iterations with a
-//! state that is free of crossings all the same, and with
+//! Whether the iteration around it ends is the method's to say: no number of detections is promised. Those that
+//! minimise measure the Newton decrement against the change of velocity in the step, and end at their most iterations
+//! with a state that is free of crossings all the same, and with
 //! [`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent) and the decrement that is left
 //! ([`residual`](cloth_core::step::StepReport::residual)) in the report.
 //!

@@ -72,7 +72,8 @@ fn parts_are_the_distance_but_above_a_concave_edge() {
     assert!(seen[0] > 100 && seen[1] > 3000, "{seen:?}");
 }
 
-/// In the plane between both sides the gradient of φ turns by 90°, and in a ring of flat parts at all of its concave edges.
+/// In the plane between both sides the gradient of φ turns by 90°, and in a ring of flat parts at all of its concave
+/// edges.
 #[test]
 fn gradient_of_the_energy_jumps_nowhere() {
     let law = PenaltyLaw::new(1.0, 0.2).unwrap();

@@ -1,15 +1,15 @@
 //! The distances of a body that is not convex, for energies that have to be continuously differentiable.
 //!
-//! Let d(P) be the distance from the part P of the surface, a triangle, an edge or a vertex. Each is convex, so d(P) has
-//! a continuous gradient outside of it, and so has
+//! Let d(P) be the distance from the part P of the surface, a triangle, an edge or a vertex. Each is convex, so d(P)
+//! has a continuous gradient outside of it, and so has
 //!
 //! Σ over triangles ψ(d) − Σ over edges ψ(d) + Σ over vertices ψ(d)
 //!
 //! for every ψ that has one (M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang and D. M.
 //! Kaufman, "Convergent incremental potential contact", 2023, <https://arxiv.org/abs/2307.15908>). Where the surface is
 //! convex or flat as far as the range of ψ, this is ψ of the distance: triangles that are nearest at one of their edges
-//! cancel against the edge, all but one, and around a vertex with n triangles n − n + 1 are left. At a concave edge both
-//! sides count, and so do two sides of a gap.
+//! cancel against the edge, all but one, and around a vertex with n triangles n − n + 1 are left. At a concave edge
+//! both sides count, and so do two sides of a gap.
 
 use super::ClosedMesh;
 use crate::bounds::Bounds;
