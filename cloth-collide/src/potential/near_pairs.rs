@@ -99,10 +99,12 @@ impl NearPairs {
         let room = ROOM * near.law.range();
         if self.is_chosen {
             let moved = path.map(|x| longest([&self.place, x]));
-            let holds = path
-                .iter()
-                .zip(moved)
-                .all(|(x, moved)| self.holds(x, moved, room));
+            // The end first: it is farther away.
+            let ends = path.iter().zip(moved).rev();
+            let bodies = !obstacles.is_empty();
+            let holds = ends.fold(true, |holds, (x, moved)| {
+                holds && self.holds(x, moved, room, bodies)
+            });
             if holds && !self.is_elsewhere(path, moved[0], room) {
                 self.wake(moved);
                 return;
@@ -140,12 +142,12 @@ impl NearPairs {
     }
 
     /// Whether the pairs hold at a place (m), where a vertex has `moved` so far (m) besides what all have done
-    /// together.
-    fn holds(&mut self, x: &[Vec3], moved: Real, room: Real) -> bool {
+    /// together; and what was found of bodies, if there are any.
+    fn holds(&mut self, x: &[Vec3], moved: Real, room: Real, bodies: bool) -> bool {
         let displacements = x.iter().zip(&self.place).zip(&self.reach);
         let mut displacements =
             displacements.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
-        if !displacements.all(|holds| holds) {
+        if bodies && !displacements.all(|holds| holds) {
             return false;
         }
         // Mostly this is enough: any two parts may come nearer by two rooms, wherever they are.
@@ -153,7 +155,7 @@ impl NearPairs {
             return true;
         }
         let patches = self.patches.as_mut();
-        patches.is_none_or(|patches| patches.holds(&self.place, x))
+        patches.is_none_or(|patches| patches.holds(x))
     }
 
     /// Keeps the pairs that can be nearer than their thickness.
@@ -164,7 +166,7 @@ impl NearPairs {
             return;
         };
         let x = path[0];
-        patches.choose(near, &self.place, path, room, |found, nearer| {
+        patches.choose(near, path, room, |found, nearer| {
             let Pair { kind, vertices } = found.pair;
             let places = gather(x, vertices);
             let reach = found.range + nearer;

@@ -2,31 +2,37 @@
 //!
 //! # The bound
 //!
-//! A patch is at most 32 neighbouring triangles. Its motion is described by its centre c, the mean of its vertices, and
-//! by its spread s (m). The spread is counted from reference positions x̄: those that its vertices had at one moment,
-//! when it had the centre c̄ and the spread s̄. At the positions x it is
+//! A patch is at most 32 neighbouring triangles. Its motion is described by a frame, which is the centre c, the mean of
+//! its vertices, and axes F, a rotation that turns with them (`frame`); and by its spread s (m). The spread is counted
+//! from reference positions x̄: those that its vertices had at one moment, when it had the frame c̄, F̄ and the spread
+//! s̄. At the positions x it is
 //!
-//! s = s̄ + max ‖(x − c) − (x̄ − c̄)‖ over the vertices of the patch.
+//! s = s̄ + max ‖(x − c) − F F̄ᵀ (x̄ − c̄)‖ over the vertices of the patch.
 //!
 //! Where reference positions are taken anew (`refer`), s̄ becomes what s is there, so s does not jump. Let 0 be a
-//! moment at which those of both patches p and q were taken, the last one or an earlier one. Since then two points of p
-//! and q have moved relative to each other by no more than
+//! moment at which those of both patches p and q were taken, the last one or an earlier one. Seen from the frame of p,
+//! q has the centre a = F_pᵀ (c_q − c_p) and the axes P = F_pᵀ F_q (`Pose`). Since moment 0 the distance of any point
+//! of p from any point of q has changed by no more than
 //!
-//! ‖(c_p − c_q) − (c_p − c_q)₀‖ + (s_p − s_p₀) + (s_q − s_q₀).
+//! ‖a − a₀‖ + ‖P − P₀‖₂ r_q + (s_p − s_p₀) + (s_q − s_q₀),
 //!
-//! This is so because a vertex has moved relative to the centre by no more than s − s̄ since the last reference
+//! r_q the distance of the farthest vertex of q from its centre at moment 0.
+//!
+//! This is so because a vertex has left its place in the frame by no more than s − s̄ since the last reference
 //! positions, and from one set of them to the next by no more than the difference of their s̄. These add up to s − s₀,
-//! and a point of a triangle is a mean of vertices. From another moment the inequality does not hold: a vertex that
-//! goes back towards its reference position moves, and s falls. So each detection between two patches first takes the
-//! reference positions of both anew (`find`), and each search for pairs of patches those of all (`search`). What is
-//! kept to compare with (`apart` and `spread` of a `PatchPair`, `searched` of `Patches`) is from these moments.
+//! and a point of a triangle is a mean of vertices. A point of q that was at z in its frame, ‖z‖ ≤ r_q, was at a₀ + P₀
+//! z as seen from p and is at a + P z. From another moment the inequality does not hold: a vertex that goes back
+//! towards its reference position moves, and s falls. So each detection between two patches first takes the reference
+//! positions of both anew (`find`), and each search for pairs of patches those of all (`search`). What is kept to
+//! compare with (`pose` and `spread` of a `PatchPair`, `searched` of `Patches`) is from these moments.
 //!
 //! # What follows from it
 //!
 //! Detection between two patches finds all pairs of primitives nearer than h plus a motion bound (`room` in the code),
 //! and sorts them by d − h. As long as the expression above is less than the bound, the list is complete, and only the
-//! pairs at its beginning, with d − h below the expression, can touch. The common motion of two patches cancels in
-//! c_p − c_q, so cloth that flies as a whole needs no detection.
+//! pairs at its beginning, with d − h below the expression, can touch. What two patches do together, move and turn,
+//! cancels, so cloth that flies or swings as a whole needs no detection: where a sheet falls into hanging, neighbouring
+//! patches turn by far more than they bend.
 //!
 //! Nobody has to keep a promise: each path is measured before it is used (`look` of a substep, again after its sweeps;
 //! `choose` and `holds` of a minimisation), and a bound that it exceeds is a new detection. Which patches are near each
@@ -37,26 +43,33 @@
 //!
 //! All are in metres, and each bounds a motion from other moments on.
 //!
-//! - *Spread* of a patch, *bound* of two (`Motions::bound`): as above, since the last detection. What goes to and fro
-//!   does not add up. They tell whether a list is complete, and which pairs at its beginning may touch.
+//! - *Spread* of a patch, *change* of a pose: as above, since the last detection. What goes to and fro does not add up.
+//!   They tell whether a list is complete, and which pairs at its beginning may touch. They are found for two patches
+//!   only where the travel of the two does not tell it (`moved`).
 //! - *Stray* of a patch (`stray`): how far it has gone since pairs of patches were searched, besides the mean of all of
-//!   the cloth, by its centre and its spread. As long as no stray is more than r, only pairs of patches that were found
-//!   can be near each other.
+//!   the cloth, by its centre, its axes and its spread. As long as no stray is more than r, only pairs of patches that
+//!   were found can be near each other.
+//! - *Change* of two patches on a path (`change`): the same as that of a pose, from the start to the end of one path.
+//!   In between, where vertices go straight and the patches turn, it is the chord that counts (`Allowed::nearer`).
 //! - *Path* of a patch (`Motions::paths`): how far a vertex goes relative to the centre in a substep, at most, added up
 //!   over the substeps. *Travel* of two (`PatchPair::travel`): the displacements of c_p − c_q and the paths of both,
 //!   added up from look to look (`bring_up`) since the last detection. It never falls, and bounds the relative motion
 //!   since each look in between: a pair that lacks something then need not be asked before the travel has grown by that
-//!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`Known`).
+//!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`Known`). For the paths of a minimisation
+//!   it is the changes that are added up (`travels`), and nearest points are not kept.
 //! - *Clock* of a patch (`Motions::clocks`): the displacement of its centre besides that of the mean of all of the
 //!   cloth, and its path, added up over the substeps. It never goes back, and two patches move relative to each other
 //!   by no more than both clocks advance together. So a look notes the sum of two clocks until which nothing can happen
 //!   (`quiet`); to ask again takes one sum and one comparison for each pair of patches.
-//! - *Aim*: where the substep was to end when it was looked at first. *Drift* of a patch: by how much it can have moved
-//!   farther than on the way to the aim, where the substep, after sweeps, ends elsewhere. The first look allows for
-//!   0.05 h more than the motion at hand; while the drifts of two patches are together within that, they need no other.
+//! - *Aim*: where the centres were to end in the substep when it was looked at first. *Drift* of a patch: by how much
+//!   it can have moved farther than on the way to the aim, where the substep, after sweeps, ends elsewhere. The first
+//!   look allows for 0.05 h more than the motion at hand; while the drifts of two patches are together within that,
+//!   they need no other.
 
 mod between;
 mod detect;
+mod frame;
+mod measure;
 mod motion;
 mod motions;
 
@@ -65,9 +78,11 @@ use crate::bounds::Bounds;
 use crate::broad_phase::BroadPhase;
 use crate::pair::{Gap, Pair};
 use between::PatchPair;
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Mat3, Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use detect::Look;
+use frame::{Four, Group};
+use measure::Allowed;
 use motions::Motions;
 
 /// Triangles in a patch, at most.
@@ -133,42 +148,50 @@ pub(super) struct Place {
 pub(super) struct Patches {
     /// Patches of the cloth; the others are those of bodies.
     cloth: usize,
-    /// Patches of prescribed vertices that have not moved.
+    /// Patches of bodies that have not moved, and the numbers of the others.
     rests: Vec<bool>,
+    moving: Vec<u32>,
     /// Triangles and vertices of each patch.
     members: Vec<(Vec<u32>, Vec<u32>)>,
     edge: Real,
     /// Path (m) that a patch may go besides what all do together, until pairs of patches are searched anew.
     reach: Real,
-    /// Positions (m) of the vertices of each patch from which its spread is counted, their centre, and the spread
-    /// there.
-    reference: Vec<Vec<Vec3>>,
-    reference_centres: Vec<Vec3>,
+    /// Groups of vertices of all patches, and where those of each begin.
+    groups: Vec<Group>,
+    starts: Vec<usize>,
+    /// Positions (m) of the vertices in the frame of the patch, from which its spread is counted, and the spread there.
+    reference: Vec<Four>,
     reference_spreads: Vec<Real>,
     /// At the start of the substep, and at the end that is looked at.
     now: Motions,
     then: Motions,
-    /// How far a vertex goes besides its centre in between (m).
+    /// Whether axes, radius and spread of a patch are known at the start.
+    is_settled: Vec<bool>,
+    /// How far a vertex goes in between (m), besides its centre, besides what all do together, and besides the frame;
+    /// how the frame turns, and the difference of that from no turn.
     displacements: Vec<Real>,
+    strays: Vec<Real>,
+    besides: Vec<Real>,
+    turns: Vec<Mat3>,
+    tilts: Vec<Real>,
     /// Where a substep was to end when pairs were looked into first, how far a vertex was to go besides its centre (m),
     /// and the drift of each patch from there (m) at another look; of each pair of patches, the substep at whose
     /// beginning it was looked into.
-    aim: Motions,
+    aim: Vec<Vec3>,
     aim_displacements: Vec<Real>,
     drift: Vec<Real>,
     awake_in: Vec<u32>,
-    /// What was allowed for when pairs were chosen: relative motion (m) of two patches between which something can
-    /// touch, by their number, and of a patch and all.
-    allowed: Vec<(u32, Real)>,
-    stray_allowed: Vec<Real>,
+    /// For paths: what was allowed to the two patches of each pair when pairs were chosen, and the travel of each (m).
+    allowed: Vec<Allowed>,
+    travels: Vec<Real>,
     /// When pairs of patches were searched.
     searched: Motions,
     boxes: Vec<Bounds>,
     broad_phase: Box<dyn BroadPhase>,
     found: Vec<[u32; 2]>,
     pairs: Vec<PatchPair>,
-    /// The two patches of each of them, and the sum of their clocks (m; how far they have moved, see above) until which
-    /// nothing can happen between them.
+    /// The two patches of each of them, and the sum of their clocks (m; how far they have moved, see above), for paths
+    /// their travel, until which nothing can happen between them.
     ids: Vec<[u32; 2]>,
     quiet: Vec<Real>,
     before: Vec<PatchPair>,
@@ -177,8 +200,6 @@ pub(super) struct Patches {
     /// Pairs of patches that the motion at hand asks for.
     looks: Vec<Look>,
     is_known: bool,
-    /// Whether patches have been where they rest now.
-    is_placed: bool,
     /// Number of the substep.
     substep: u32,
     /// Pairs of patches that were looked into in this substep.
@@ -212,20 +233,31 @@ impl Patches {
         }
         let is_own = |(_, vertices): &&(Vec<u32>, Vec<u32>)| (vertices[0] as usize) < near.cloth;
         let count = members.len();
-        let places = |(_, vertices): &(Vec<u32>, Vec<u32>)| vec![Vec3::zeros(); vertices.len()];
+        let (mut groups, mut starts) = (Vec::new(), vec![0]);
+        for (_, vertices) in &members {
+            groups.extend(frame::groups(vertices, x));
+            starts.push(groups.len());
+        }
+        let motions = || Motions::new(count, groups.len());
         Self {
             cloth: members.iter().take_while(is_own).count(),
             rests: vec![false; count],
             edge,
-            reference: members.iter().map(places).collect(),
-            reference_centres: vec![Vec3::zeros(); count],
+            reference: vec![[[0.0; 4]; 3]; groups.len()],
             reference_spreads: vec![0.0; count],
-            now: Motions::new(count),
-            then: Motions::new(count),
+            now: motions(),
+            then: motions(),
             displacements: vec![0.0; count],
+            is_settled: vec![false; count],
+            strays: vec![0.0; count],
+            besides: vec![0.0; count],
+            turns: vec![Mat3::identity(); count],
+            tilts: vec![0.0; count],
             drift: vec![0.0; count],
             boxes: vec![Bounds::around([Vec3::zeros()]); count],
             members,
+            groups,
+            starts,
             broad_phase: near.own.broad_phase.create(),
             ..Self::default()
         }
@@ -233,39 +265,35 @@ impl Patches {
 
     /// Forgets the motion so far, for a cloth that is at `x` (m) now and was elsewhere before.
     pub(super) fn forget(&mut self, x: &[Vec3], is_resting: &[bool]) {
-        for (rests, (_, vertices)) in self.rests.iter_mut().zip(&self.members) {
-            *rests = vertices.iter().all(|&v| is_resting[v as usize]);
-        }
-        for (p, (_, vertices)) in self.members.iter().enumerate() {
-            let places = self.reference[p].iter_mut().zip(vertices);
-            places.for_each(|(place, &v)| *place = x[v as usize]);
-            self.reference_centres[p] = middle(vertices, x);
-        }
+        let count = self.members.len();
+        // All move until they have been found once.
+        self.moving.clear();
+        self.moving.extend(0..count as u32);
         self.reference_spreads.fill(0.0);
-        self.now.paths.fill(0.0);
-        self.now.clocks.fill(0.0);
-        self.is_placed = false;
         self.place(x);
+        let now = &mut self.now;
+        now.still = 0.0;
+        for numbers in [&mut now.spreads, &mut now.paths, &mut now.clocks] {
+            numbers.fill(0.0);
+        }
+        (0..count).for_each(|p| self.refer(p));
+        self.then.copy(&self.now);
+        self.displacements.fill(0.0);
+        self.strays.fill(0.0);
+        self.besides.fill(0.0);
+        self.turns.fill(Mat3::identity());
+        self.tilts.fill(0.0);
+        for (p, (_, vertices)) in self.members.iter().enumerate().skip(self.cloth) {
+            self.rests[p] = vertices.iter().all(|&v| is_resting[v as usize]);
+        }
+        let rests = &self.rests;
+        self.moving.retain(|&p| !rests[p as usize]);
         self.is_known = false;
     }
 
-    /// The most that two patches move relative to each other in the substep (m).
-    #[inline]
-    fn once(&self, pair: &PatchPair) -> Real {
-        let [p, q] = pair.patches.map(|p| p as usize);
-        let (now, then) = (&self.now, &self.then);
-        let displacement = then.centres[p] - now.centres[p] - (then.centres[q] - now.centres[q]);
-        displacement.norm() + self.displacements[p] + self.displacements[q]
-    }
-
-    /// The substep ends where it was looked at last.
-    pub(super) fn accept(&mut self) {
-        std::mem::swap(&mut self.now, &mut self.then);
-    }
-
-    /// Brings what is known from `from` to `to` (m), in substeps that could be left out.
-    pub(super) fn skip(&mut self, from: &[Vec3], to: &[Vec3]) {
-        self.measure(from, to);
+    /// Brings what is known to `to` (m), in substeps that could be left out.
+    pub(super) fn skip(&mut self, to: &[Vec3]) {
+        self.measure(to);
         self.accept();
     }
 
@@ -279,13 +307,13 @@ impl Patches {
 
     /// How far (m) every vertex may go from where it is now, besides what all do together, while nothing comes near;
     /// nothing if something has just been looked into.
-    pub(super) fn margin(&self) -> Option<Real> {
+    pub(super) fn margin(&mut self) -> Option<Real> {
         if self.awake > 0 || !self.is_known {
             return None;
         }
+        let known = self.reach - self.stray();
         let pairs = self.ids.iter().zip(&self.quiet);
-        let left = pairs.map(|(&patches, quiet)| quiet - self.now.clock(patches));
-        let known = self.reach - Self::stray(&self.searched, &self.now);
+        let left = pairs.map(|(&patches, quiet)| quiet - self.clock(&self.now, patches));
         Some(0.5 * left.fold(known, Real::min))
     }
 
@@ -318,67 +346,6 @@ impl Patches {
         self.pairs.len()
     }
 
-    /// Takes `x` (m) for the start of the substep.
-    pub(super) fn place(&mut self, x: &[Vec3]) {
-        let now = &mut self.now;
-        for (p, (_, vertices)) in self.members.iter().enumerate() {
-            if self.rests[p] && self.is_placed {
-                continue;
-            }
-            let centre = middle(vertices, x);
-            let displacement = centre - self.reference_centres[p];
-            let places = vertices.iter().zip(&self.reference[p]);
-            let besides =
-                places.map(|(&v, from)| (x[v as usize] - from - displacement).norm_squared());
-            let most = besides.fold(0.0, Real::max).sqrt();
-            now.centres[p] = centre;
-            now.spreads[p] = self.reference_spreads[p] + most;
-        }
-        now.finish(self.cloth);
-        self.is_placed = true;
-    }
-
-    /// Looks at the motion from the start of the substep, `x`, to `to` (m).
-    fn measure(&mut self, x: &[Vec3], to: &[Vec3]) {
-        let (now, then) = (&self.now, &mut self.then);
-        for (p, (_, vertices)) in self.members.iter().enumerate() {
-            if self.rests[p] {
-                then.centres[p] = now.centres[p];
-                then.spreads[p] = now.spreads[p];
-                self.displacements[p] = 0.0;
-                continue;
-            }
-            let centre = middle(vertices, to);
-            let since = centre - self.reference_centres[p];
-            let displacement = centre - now.centres[p];
-            let (mut spread, mut besides): (Real, Real) = (0.0, 0.0);
-            for (&v, from) in vertices.iter().zip(&self.reference[p]) {
-                let to = to[v as usize];
-                spread = spread.max((to - from - since).norm_squared());
-                besides = besides.max((to - x[v as usize] - displacement).norm_squared());
-            }
-            then.centres[p] = centre;
-            then.spreads[p] = self.reference_spreads[p] + spread.sqrt();
-            self.displacements[p] = besides.sqrt();
-        }
-        then.finish(self.cloth);
-        let shift = then.mean - now.mean;
-        for (p, besides) in self.displacements.iter().enumerate() {
-            then.paths[p] = now.paths[p] + besides;
-            let displacement = then.centres[p] - now.centres[p] - shift;
-            then.clocks[p] = now.clocks[p] + displacement.norm() + besides;
-        }
-    }
-
-    /// Counts the spread of patch `p` from `x` (m) on, the start of the substep.
-    fn refer(&mut self, p: usize, x: &[Vec3]) {
-        let places = self.reference[p].iter_mut().zip(&self.members[p].1);
-        places.for_each(|(place, &v)| *place = x[v as usize]);
-        self.reference_centres[p] = self.now.centres[p];
-        self.reference_spreads[p] = self.now.spreads[p];
-        self.then.spreads[p] = self.now.spreads[p] + self.displacements[p];
-    }
-
     /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and hands `visit` those that the
     /// motion can bring into contact: all if the substep `begins`, and what it has not seen if the motion has become
     /// another one. Returns false if a path is longer than some edges, which needs more room than patches have.
@@ -389,23 +356,25 @@ impl Patches {
         begins: bool,
         mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> bool {
-        self.measure(x, to);
+        self.measure(to);
         let (aim, then) = (&mut self.aim, &self.then);
         if begins {
             self.substep += 1;
             self.awake = 0;
-            aim.copy(then);
+            let centres = then.frames.iter().map(|frame| frame.centre);
+            aim.clear();
+            aim.extend(centres);
             self.aim_displacements.clone_from(&self.displacements);
             self.drift.fill(0.0);
         } else {
             for (p, drift) in self.drift.iter_mut().enumerate() {
-                let further = (self.displacements[p] - self.aim_displacements[p])
-                    .max(then.spreads[p] - aim.spreads[p]);
-                *drift = (then.centres[p] - aim.centres[p]).norm() + further.max(0.0);
+                let further = self.displacements[p] - self.aim_displacements[p];
+                let centre = then.frames[p].centre - aim[p];
+                *drift = centre.norm() + further.max(0.0);
             }
         }
-        if !self.is_known || Self::stray(&self.searched, &self.then) > self.reach {
-            let displacement = Self::stray(&self.now, &self.then);
+        if !self.is_known || self.has_strayed(0.0) {
+            let displacement = self.longest_stray();
             if displacement > FARTHEST * self.edge {
                 self.is_known = false;
                 return false;
@@ -417,7 +386,7 @@ impl Patches {
         let mut looks = std::mem::take(&mut self.looks);
         looks.clear();
         for k in 0..self.pairs.len() {
-            if self.then.clock(self.ids[k]) > self.quiet[k] {
+            if self.clock(&self.then, self.ids[k]) > self.quiet[k] {
                 // What was looked into with the slack needs no other look for less.
                 let [p, q] = self.ids[k].map(|p| p as usize);
                 let seen = self.awake_in[k] == self.substep;
@@ -429,9 +398,9 @@ impl Patches {
                 }
                 self.awake += 1;
                 self.bring_up(k);
-                let pair = &self.pairs[k];
-                let (now, once) = (self.now.bound(pair), self.once(pair) + slack);
-                let moved = now.max(self.then.bound(pair)) + slack;
+                let once = self.once(self.ids[k]) + slack;
+                let now = self.moved(k, once);
+                let (moved, pair) = (now + once, &self.pairs[k]);
                 let again = pair.looked_in == self.substep;
                 if !again || moved > pair.looked[0] || pair.travel + once > pair.looked[1] {
                     looks.push(Look::new(k, [now, moved, once]));
@@ -458,25 +427,18 @@ impl Patches {
                     visit(place, one, memory, begun)
                 })
             });
-            self.quiet[k] = self.now.clock(patches) + left - slack;
+            self.quiet[k] = self.clock(&self.now, patches) + left - slack;
         }
         self.looks = looks;
         true
     }
 
-    /// How far a patch has gone, besides what all do together (m).
-    fn stray(old: &Motions, new: &Motions) -> Real {
-        let shift = new.mean - old.mean;
-        let patches = old.centres.iter().zip(&old.spreads);
-        let patches = patches.zip(new.centres.iter().zip(&new.spreads));
-        let displacements = patches.map(|((c, s), (d, t))| (d - c - shift).norm() + t - s);
-        displacements.fold(0.0, Real::max)
-    }
-
     /// Finds the pairs of patches that are near each other now.
     fn search(&mut self, near: &Near, x: &[Vec3]) {
         self.searches += 1;
-        (0..self.members.len()).for_each(|p| self.refer(p, x));
+        let moving = std::mem::take(&mut self.moving);
+        moving.iter().for_each(|&p| self.refer(p as usize));
+        self.moving = moving;
         let reach = self.reach + 0.5 * near.law.range();
         for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
             *bounds = around(vertices, x).inflated(reach);
@@ -512,11 +474,6 @@ impl Patches {
         self.spare.extend(known);
         self.is_known = true;
     }
-}
-
-/// The mean (m) of some vertices.
-fn middle(vertices: &[u32], x: &[Vec3]) -> Vec3 {
-    vertices.iter().map(|&v| x[v as usize]).sum::<Vec3>() / vertices.len() as Real
 }
 
 fn around(vertices: &[u32], x: &[Vec3]) -> Bounds {

@@ -25,13 +25,12 @@ impl Quiet {
         (self.relative, self.whole) = (relative, whole);
     }
 
-    /// From now on nothing is known. Hands over where the cloth was when something was, if there is such a place.
-    pub(super) fn end(&mut self, known: impl FnOnce(&[Vec3])) {
+    /// From now on nothing is known. Returns whether something was.
+    pub(super) fn end(&mut self) -> bool {
         self.is_on = false;
-        if !self.place.is_empty() {
-            known(&self.place);
-            self.place.clear();
-        }
+        let was_known = !self.place.is_empty();
+        self.place.clear();
+        was_known
     }
 
     /// Whether nothing is near at `x` (m). If so, all its numbers are finite.

@@ -54,10 +54,9 @@ pub(super) struct Rows {
     quiet: Quiet,
     /// Whether the last step was taken with these rows.
     pub(super) took_last: bool,
-    /// Where the last substep that led the start of a minimisation (`Contacts::lead`) has ended (m). The next one
-    /// brings the patches from there to its own start, instead of forgetting them. Empty if there was none, if it
-    /// failed, or if a step of constraints has begun since.
-    led: Vec<Vec3>,
+    /// Whether the last substep led the start of a minimisation (`Contacts::lead`): the next one that does brings the
+    /// patches from its end to its own start, instead of forgetting them.
+    has_led: bool,
     /// Where the sweeps have ended (m), and the part of the path there that each vertex goes.
     proposed: Vec<Vec3>,
     shares: Vec<Real>,
@@ -73,7 +72,7 @@ pub(super) struct Rows {
 impl Rows {
     /// Forgets everything about earlier steps: the cloth starts at `from` (m), before so many bodies.
     fn start_anew(&mut self, near: &Near, from: &[Vec3], bodies: usize) {
-        self.quiet.end(|_| ());
+        self.quiet.end();
         self.bodies.forget(near.cloth, bodies);
         if let Some(patches) = &mut self.patches {
             patches.forget(from, &near.is_resting);
@@ -107,7 +106,7 @@ impl ContactConstraints for Contacts {
         rows.report = ConstraintReport::default();
         rows.work = 0.0;
         rows.by_zones = false;
-        rows.led.clear();
+        rows.has_led = false;
         if !(goes_on && rows.took_last) {
             rows.start_anew(&self.near, step.from, self.before.len());
         }
@@ -132,12 +131,9 @@ impl ContactConstraints for Contacts {
             return Err(ContactError::NonFinite { vertex });
         }
         let rows = &mut self.rows;
-        let patches = &mut rows.patches;
-        rows.quiet.end(|place| {
-            patches
-                .iter_mut()
-                .for_each(|patches| patches.skip(place, step.from));
-        });
+        if let (true, Some(patches)) = (rows.quiet.end(), &mut rows.patches) {
+            patches.skip(step.from);
+        }
         rows.rows.clear();
         rows.parted.clear();
         rows.by_zones = false;
@@ -382,7 +378,7 @@ impl Contacts {
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows
                 .patches
-                .as_ref()
+                .as_mut()
                 .map_or(Some(Real::INFINITY), Patches::margin);
             let whole = rows.bodies.margin(&substep, x);
             // A body that nothing holds may set out in the next substep.
@@ -414,9 +410,9 @@ impl Contacts {
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
         let rows = &mut self.rows;
-        let led = std::mem::take(&mut rows.led);
+        let has_led = std::mem::take(&mut rows.has_led);
         match &mut rows.patches {
-            Some(patches) if goes_on && !led.is_empty() => patches.skip(&led, step.from),
+            Some(patches) if goes_on && has_led => patches.skip(step.from),
             _ => rows.start_anew(&self.near, step.from, self.before.len()),
         }
         self.begin_substep(step, x)?;
@@ -428,8 +424,7 @@ impl Contacts {
         let ended = self.end_substep(step, x);
         self.free.is_led = false;
         ended?;
-        self.rows.led = led;
-        x.clone_into(&mut self.rows.led);
+        self.rows.has_led = true;
         Ok(())
     }
 

@@ -5,32 +5,77 @@ use crate::obstacle::PenaltyLaw;
 use crate::pair::Pair;
 use crate::random::Random;
 use crate::shapes::{deformed, sheet};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+use nalgebra::Rotation3;
 use std::collections::HashSet;
+
+/// Contact of a sheet with itself, from so far on (m).
+fn near_itself(mesh: &TriMesh, thickness: Real) -> Near {
+    let law = PenaltyLaw::new(1e6, thickness).unwrap();
+    let own = Own {
+        self_collision: true,
+        ..Own::default()
+    };
+    Near::new(mesh, law, Vec::new(), own)
+}
+
+fn pairs_of(mesh: &TriMesh, near: &Near) -> NearPairs {
+    NearPairs {
+        patches: Some(Patches::new(mesh, near)),
+        ..NearPairs::default()
+    }
+}
+
+/// Counts the pairs that are within their range at the start, halfway or at the end of a path, by a look at all, and
+/// checks that each is among those that may push there.
+fn count_near(mesh: &TriMesh, near: &Near, pairs: &NearPairs, [from, to]: [&[Vec3]; 2]) -> u32 {
+    let (edges, _) = edge_numbers(mesh.triangles());
+    let is_near = |kind: QueryKind, vertices: [u32; 4], x: &[Vec3]| {
+        let range = near.range_of(Pair { kind, vertices });
+        Gap::new(kind, &gather(x, vertices)).distance < range
+    };
+    let mut count = 0;
+    for part in [0.0, 0.5, 1.0] {
+        let ends = from.iter().zip(to);
+        let x: Vec<Vec3> = ends.map(|(a, b)| a + (b - a) * part).collect();
+        let kept: HashSet<[u32; 4]> = pairs.iter_at(&x).map(|p| p.pair.vertices).collect();
+        for &[a, b, c] in mesh.triangles() {
+            for vertex in (0..x.len() as u32).filter(|v| ![a, b, c].contains(v)) {
+                let vertices = [vertex, a, b, c];
+                if is_near(QueryKind::VertexTriangle, vertices, &x) {
+                    count += 1;
+                    assert!(kept.contains(&vertices), "{part}: {vertices:?}");
+                }
+            }
+        }
+        for (k, &[a, b]) in edges.iter().enumerate() {
+            for &[c, d] in &edges[k + 1..] {
+                if a == c || a == d || b == c || b == d {
+                    continue;
+                }
+                let vertices = [a, b, c, d];
+                if is_near(QueryKind::EdgeEdge, vertices, &x) {
+                    count += 1;
+                    let known = kept.contains(&vertices) || kept.contains(&[c, d, a, b]);
+                    assert!(known, "{part}: {vertices:?}");
+                }
+            }
+        }
+    }
+    count
+}
 
 /// Whatever paths a folded sheet takes, waved, turned, jerked and back again: every pair that is within its range
 /// at the start, halfway or at the end of a path is among the ones that may push there, as a look at all pairs tells.
 #[test]
 fn no_near_pair_is_missed_on_any_path() {
     let mesh = sheet(9);
-    let (edges, _) = edge_numbers(mesh.triangles());
-    let law = PenaltyLaw::new(1e6, 0.02).unwrap();
-    let own = Own {
-        self_collision: true,
-        ..Own::default()
-    };
-    let near = Near::new(&mesh, law, Vec::new(), own);
-    let is_near = |kind: QueryKind, vertices: [u32; 4], x: &[Vec3]| {
-        let range = near.range_of(Pair { kind, vertices });
-        Gap::new(kind, &gather(x, vertices)).distance < range
-    };
+    let near = near_itself(&mesh, 0.02);
     let mut random = Random::new(5);
     let mut touching = 0;
     for (_, start) in deformed(&mesh).into_iter().take(5) {
-        let patches = Some(Patches::new(&mesh, &near));
-        let mut pairs = NearPairs {
-            patches,
-            ..NearPairs::default()
-        };
+        let mut pairs = pairs_of(&mesh, &near);
         pairs.begin(&start, &near.is_resting, false);
         let mut from = start.clone();
         let mut last = vec![Vec3::zeros(); start.len()];
@@ -52,36 +97,7 @@ fn no_near_pair_is_missed_on_any_path() {
                 })
                 .collect();
             pairs.prepare(&near, [&from, &to], &[]);
-            for part in [0.0, 0.5, 1.0] {
-                let x: Vec<Vec3> = from
-                    .iter()
-                    .zip(&to)
-                    .map(|(a, b)| a + (b - a) * part)
-                    .collect();
-                let kept: HashSet<[u32; 4]> = pairs.iter_at(&x).map(|p| p.pair.vertices).collect();
-                for &[a, b, c] in mesh.triangles() {
-                    for vertex in (0..x.len() as u32).filter(|v| ![a, b, c].contains(v)) {
-                        let vertices = [vertex, a, b, c];
-                        if is_near(QueryKind::VertexTriangle, vertices, &x) {
-                            touching += 1;
-                            assert!(kept.contains(&vertices), "round {round}: {vertices:?}");
-                        }
-                    }
-                }
-                for (k, &[a, b]) in edges.iter().enumerate() {
-                    for &[c, d] in &edges[k + 1..] {
-                        if a == c || a == d || b == c || b == d {
-                            continue;
-                        }
-                        let vertices = [a, b, c, d];
-                        if is_near(QueryKind::EdgeEdge, vertices, &x) {
-                            let other = [c, d, a, b];
-                            let known = kept.contains(&vertices) || kept.contains(&other);
-                            assert!(known, "round {round}: {vertices:?}");
-                        }
-                    }
-                }
-            }
+            touching += count_near(&mesh, &near, &pairs, [&from, &to]);
             last = from.iter().zip(&to).map(|(a, b)| b - a).collect();
             // Not all the way, as a search that is capped.
             let part = if round % 4 == 0 { 0.1 } else { 1.0 };
@@ -99,21 +115,116 @@ fn no_near_pair_is_missed_on_any_path() {
     assert!(touching > 1000, "{touching}");
 }
 
+/// A strip that is rolled up and unrolled while all of it turns, by up to a radian in a path: patches turn together,
+/// and by themselves, and parts that were far from each other meet.
+#[test]
+fn no_near_pair_is_missed_where_patches_turn() {
+    let mesh = grid(41, 3, 2.0, 0.1, Diagonals::Alternating).unwrap();
+    let near = near_itself(&mesh, 0.02);
+    let mut pairs = pairs_of(&mesh, &near);
+    // On a spiral of winding `turns`, whose radius grows by 0.02 m a turn.
+    let rolled = |winding: Real, frame: &Rotation3<Real>| -> Vec<Vec3> {
+        let place = |x: &Vec3| {
+            let angle = winding * x.x / 2.0;
+            let radius = 0.05 + 0.02 * angle / std::f64::consts::TAU + 0.3 / (0.1 + winding);
+            frame * Vec3::new(radius * angle.cos(), radius * angle.sin(), x.y)
+        };
+        mesh.positions().iter().map(place).collect()
+    };
+    let mut frame = Rotation3::identity();
+    let mut x = rolled(0.0, &frame);
+    pairs.begin(&x, &near.is_resting, false);
+    let mut random = Random::new(8);
+    let mut touching = 0;
+    for round in 0..40 {
+        let winding = 14.0 * (0.15 * Real::from(round)).sin().powi(2);
+        frame = Rotation3::new(random.point([0.0, 0.05, 0.3, 1.0][round as usize % 4])) * frame;
+        let to = rolled(winding, &frame);
+        pairs.prepare(&near, [&x, &to], &[]);
+        touching += count_near(&mesh, &near, &pairs, [&x, &to]);
+        // From the middle back to a place near the start, which an old choice may hold for.
+        let back: Vec<Vec3> = x.iter().zip(&to).map(|(a, b)| a + (b - a) * 0.1).collect();
+        let half: Vec<Vec3> = x.iter().zip(&to).map(|(a, b)| a + (b - a) * 0.5).collect();
+        pairs.prepare(&near, [&half, &back], &[]);
+        touching += count_near(&mesh, &near, &pairs, [&half, &back]);
+        x = to;
+    }
+    assert!(touching > 1000, "{touching}");
+}
+
+/// Two stiff leaves of a book that closes while it turns: no leaf spreads, and one moves before the other.
+#[test]
+fn no_near_pair_is_missed_where_two_leaves_close() {
+    let leaf = grid(5, 5, 0.2, 0.2, Diagonals::Alternating).unwrap();
+    let mut triangles = leaf.triangles().to_vec();
+    triangles.extend(leaf.triangles().iter().map(|t| t.map(|v| v + 25)));
+    let closed_by = |angle: Real, frame: &Rotation3<Real>| -> Vec<Vec3> {
+        let other = Rotation3::new(Vec3::y() * -angle);
+        let own = leaf.positions().iter().map(|x| frame * x);
+        let above = |x: &Vec3| frame * (other * x + Vec3::z() * 0.01);
+        own.chain(leaf.positions().iter().map(above)).collect()
+    };
+    for shift in [0.0, 0.02] {
+        let mut frame = Rotation3::identity();
+        let mut x = closed_by(1.5, &frame);
+        let mesh = TriMesh::new(x.clone(), triangles.clone()).unwrap();
+        let near = near_itself(&mesh, 4e-3);
+        let mut pairs = pairs_of(&mesh, &near);
+        pairs.begin(&x, &near.is_resting, false);
+        let mut touching = 0;
+        for step in 1..=150 {
+            frame = Rotation3::new(Vec3::new(0.03, -0.05, 0.02)) * frame;
+            let mut to = closed_by(1.5 - 0.01 * Real::from(step), &frame);
+            // It may slide, too.
+            let along = frame * Vec3::y() * (shift * (0.2 * Real::from(step)).sin());
+            to[25..]
+                .iter_mut()
+                .for_each(|x| *x += along - frame * Vec3::z() * 8e-3);
+            pairs.prepare(&near, [&x, &to], &[]);
+            touching += count_near(&mesh, &near, &pairs, [&x, &to]);
+            x = to;
+            pairs.begin(&x, &near.is_resting, true);
+        }
+        assert!(touching > 100, "{touching}");
+    }
+}
+
+/// A sheet that turns as a whole, by 3 degrees a step, and falls: each two patches are looked into once.
+#[test]
+fn cloth_that_turns_is_looked_at_once() {
+    let mesh = sheet(33);
+    let near = near_itself(&mesh, 2e-3);
+    let mut pairs = pairs_of(&mesh, &near);
+    let at = |step: i32| -> Vec<Vec3> {
+        let step = Real::from(step);
+        let turn = Rotation3::new(Vec3::new(1.0, 2.0, 0.5).normalize() * (0.0524 * step));
+        let fall = Vec3::z() * (-9.81 / 7200.0 * step * step);
+        mesh.positions().iter().map(|x| turn * x + fall).collect()
+    };
+    let mut x = at(0);
+    pairs.begin(&x, &near.is_resting, false);
+    for step in 1..100 {
+        let to = at(step);
+        pairs.prepare(&near, [&x, &to], &[]);
+        x = to;
+        pairs.begin(&x, &near.is_resting, true);
+    }
+    let patches = pairs.patches.as_ref().unwrap();
+    // Which patches are neighbours by their boxes changes as they turn.
+    let detections = patches.detections as usize;
+    assert!(
+        detections <= 2 * patches.count(),
+        "{detections}, {}",
+        patches.count()
+    );
+}
+
 /// Cloth that falls, and turns, without coming near to itself is looked at once.
 #[test]
 fn cloth_that_flies_is_looked_at_once() {
     let mesh = sheet(33);
-    let law = PenaltyLaw::new(1e6, 2e-3).unwrap();
-    let own = Own {
-        self_collision: true,
-        ..Own::default()
-    };
-    let near = Near::new(&mesh, law, Vec::new(), own);
-    let patches = Some(Patches::new(&mesh, &near));
-    let mut pairs = NearPairs {
-        patches,
-        ..NearPairs::default()
-    };
+    let near = near_itself(&mesh, 2e-3);
+    let mut pairs = pairs_of(&mesh, &near);
     let mut x = mesh.positions().to_vec();
     pairs.begin(&x, &near.is_resting, false);
     for step in 0..100 {

@@ -1,6 +1,7 @@
 //! What can touch between two patches.
 
 use super::detect::Look;
+use super::motions::{Motions, Pose};
 use super::{Memory, NearPair};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::parallel::wide;
@@ -9,8 +10,8 @@ use cloth_core::method::parallel::wide;
 #[derive(Debug, Default)]
 pub(super) struct PatchPair {
     pub(super) patches: [u32; 2],
-    /// Difference of the centres (m), and sum of the spreads (m), when the pairs were found.
-    pub(super) apart: Vec3,
+    /// The second patch as seen from the first, and sum of the spreads (m), when the pairs were found.
+    pub(super) pose: Pose,
     pub(super) spread: Real,
     /// Relative motion (m) for which the pairs are complete.
     pub(super) budget: Real,
@@ -45,6 +46,13 @@ impl PatchPair {
             looked_in: 0,
             ..self
         }
+    }
+
+    /// The bound on what the two have moved relative to each other (m) since their pairs were found.
+    #[inline]
+    pub(super) fn moved(&self, now: &Motions) -> Real {
+        let change = self.pose.change(&now.pose(self.patches));
+        change + now.spread(self.patches) - self.spread
     }
 
     /// Asks `lack` what (m) the pairs lack to contact, with their numbers, that may touch in the motion that is looked

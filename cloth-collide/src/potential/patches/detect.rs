@@ -61,8 +61,8 @@ impl Patches {
             let pair = &self.pairs[look.number as usize];
             if look.moved > pair.budget {
                 let [p, q] = pair.patches.map(|p| p as usize);
-                self.refer(p, x);
-                self.refer(q, x);
+                self.refer(p);
+                self.refer(q);
             }
         }
         let mut pairs = std::mem::take(&mut self.pairs);
@@ -110,8 +110,8 @@ impl Patches {
         let boxes = [p, q].map(|p| around(&self.members[p].1, x));
         let room = self.room_for(near, once);
         (pair.last_apart, pair.last_path) = self.now.of(pair.patches);
-        pair.apart = pair.last_apart;
-        pair.spread = self.now.spreads[p] + self.now.spreads[q];
+        pair.pose = self.now.pose(pair.patches);
+        pair.spread = self.now.spread(pair.patches);
         pair.travel = 0.0;
         (pair.first, pair.next) = (0, Real::NEG_INFINITY);
         pair.pairs.clear();
