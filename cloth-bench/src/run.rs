@@ -132,8 +132,9 @@ struct Course<'a> {
     pushes: Vec<Push>,
     /// Forces (N) of air and gas, and those of the scene, where there is more than air.
     load: Vec<Vec3>,
-    /// Time that the last step took (s), without that of its energy balance.
+    /// Time that the last step took (s), without that of its energy balance, and that of contact in it.
     seconds: Real,
+    contact_seconds: Real,
 }
 
 impl Summary {
@@ -165,12 +166,7 @@ impl Summary {
 
 impl<'a> Course<'a> {
     fn new(scene: &'a Scene) -> Result<Self, BenchError> {
-        let timed = |source| Timed {
-            source,
-            seconds: 0.0,
-            held_steps: 0,
-        };
-        let contacts = scene.contacts()?.map(timed);
+        let contacts = scene.contacts()?.map(Timed::new);
         let air = scene.air.clone();
         Ok(Self {
             scene: Cow::Borrowed(scene),
@@ -185,6 +181,7 @@ impl<'a> Course<'a> {
             pushes: Vec::new(),
             load: Vec::new(),
             seconds: 0.0,
+            contact_seconds: 0.0,
         })
     }
 
@@ -291,7 +288,7 @@ impl<'a> Course<'a> {
         mut balance: Option<&mut EnergyBalance>,
     ) -> Result<StepReport, BenchError> {
         if let Some(contacts) = &mut self.contacts {
-            contacts.seconds = 0.0;
+            contacts.reset();
         }
         let started = Instant::now();
         let is_tangled = self.untangle(state)?;
@@ -468,7 +465,7 @@ fn take_steps(
         course.change(solver, state, dt, &mut balance)?;
         let report = course.step(solver.stepper(), state, dt, Some(&mut balance))?;
         seconds.push(course.seconds);
-        contact_seconds.extend(course.contacts.as_ref().map(|contacts| contacts.seconds));
+        contact_seconds.extend(course.contacts.is_some().then_some(course.contact_seconds));
         iterations.push(report.iterations);
         linear_iterations += u64::from(report.linear_iterations);
         chebyshev_fallbacks += u64::from(report.chebyshev_fallbacks);

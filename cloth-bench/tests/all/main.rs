@@ -8,6 +8,7 @@ mod changes;
 mod cli;
 mod commands;
 mod concave_edges;
+mod contact_time;
 mod crumpled;
 mod energy;
 mod error;
