@@ -39,8 +39,8 @@ impl Writer for Sequence {
         for body in &frame.obstacles {
             let name = match body.is_still {
                 true if frame.index > 0 => continue,
-                true => format!("{}.{extension}", body.name),
-                false => format!("{}_{step:05}.{extension}", body.name),
+                true => format!("{}.{extension}", body.name()),
+                false => format!("{}_{step:05}.{extension}", body.name()),
             };
             folder.write(&name, &[&self.bytes(&body.positions, body.triangles)])?;
         }

@@ -27,15 +27,15 @@ impl Writer for Vtk {
         self.enter(time, 0, "cloth", &name);
         for (part, body) in frame.obstacles.iter().enumerate() {
             let name = if body.is_still {
-                format!("{}.vtp", body.name)
+                format!("{}.vtp", body.name())
             } else {
-                format!("{}_{step:05}.vtp", body.name)
+                format!("{}_{step:05}.vtp", body.name())
             };
             if frame.index == 0 || !body.is_still {
                 let bytes = polygons(time, &body.positions, body.triangles, &[]);
                 folder.write(&name, &[&bytes])?;
             }
-            self.enter(time, part + 1, &body.name, &name);
+            self.enter(time, part + 1, &body.name(), &name);
         }
         Ok(())
     }

@@ -330,6 +330,95 @@ fn gltf_plays_the_same_motion() {
     }
 }
 
+/// A triangle that a scene file moves and bends: vertex v is at `shapes()[k][v]` (m) at the time 0.05 s times k.
+fn shapes() -> [[Vec3; 3]; 3] {
+    [
+        [[0.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 1.0, -1.0]],
+        [[0.25, 0.0, -1.0], [1.0, 0.5, -1.0], [0.0, 1.0, -2.0]],
+        [[0.75, 0.0, -1.0], [1.0, 0.5, -1.5], [0.0, 2.0, -2.0]],
+    ]
+    .map(|shape| shape.map(Vec3::from))
+}
+
+/// A scene file of a sheet far above an animation, which stands before a box that turns.
+fn animation() -> PathBuf {
+    let folder = folder("animation");
+    std::fs::create_dir_all(folder.join("shapes")).unwrap();
+    for (k, shape) in shapes().iter().enumerate() {
+        let text = cloth_core::mesh::obj::format(shape, &[[0, 1, 2]]);
+        std::fs::write(folder.join(format!("shapes/{k}.obj")), text).unwrap();
+    }
+    let path = folder.join("scene.toml");
+    let text = "dt = 0.02\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [0, 0, 5]\n\
+                [[obstacle]]\nshape = \"animation\"\nfolder = \"shapes\"\ninterval = 0.05\nposition = [0, 0, 0.5]\n\
+                [[obstacle]]\nshape = \"box\"\nsize = [1, 2, 3]\nposition = [9, 0, 0]\nangular_velocity = [0, 0, 1]\n";
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// Where vertex v of the animation is at a time (s).
+fn interpolated(time: f64, v: usize) -> Vec3 {
+    let shapes = shapes().map(|shape| shape[v] + Vec3::z() * 0.5);
+    let [a, b, part] = match time / 0.05 {
+        place if place < 1.0 => [shapes[0], shapes[1], Vec3::repeat(place)],
+        place if place < 2.0 => [shapes[1], shapes[2], Vec3::repeat(place - 1.0)],
+        _ => [shapes[2], shapes[2], Vec3::zeros()],
+    };
+    a + (b - a).component_mul(&part)
+}
+
+/// Six steps of 0.02 s: the animation is between its shapes and, in the end, beyond the last.
+#[test]
+fn an_animation_is_exported_where_it_is() {
+    let run = format!("run {} --method xpbd --steps 6", animation().display());
+    for format in ["obj", "ply", "vtk"] {
+        let to = folder(&format!("animation-{format}"));
+        let told = export(&run, format, &to);
+        let per_frame = 3 * 7;
+        assert_eq!(told["export_files"], per_frame + i32::from(format == "vtk"));
+        for step in 0..=6 {
+            let name = format!("obstacle1_{step:05}");
+            let positions = if format == "vtk" {
+                let bytes = std::fs::read(to.join(format!("{name}.vtp"))).unwrap();
+                let numbers = appended(&bytes, "position").into_iter();
+                let numbers: Vec<f64> = numbers.map(f64::from_le_bytes).collect();
+                numbers.chunks(3).map(Vec3::from_column_slice).collect()
+            } else {
+                let read = io::read(&to.join(format!("{name}.{format}"))).unwrap();
+                assert_eq!(read.triangles(), [[0, 1, 2]]);
+                read.positions().to_vec()
+            };
+            assert_eq!(positions.len(), 3);
+            for (v, x) in positions.iter().enumerate() {
+                let expected = interpolated(0.02 * f64::from(step), v);
+                assert!((x - expected).norm() < 1e-14, "{name}: {x} {expected}");
+            }
+        }
+    }
+    let to = folder("animation-gltf");
+    export(&run, "gltf", &to);
+    let glb = Glb::read(&to.join("run.glb"));
+    assert_eq!(glb.json["nodes"][2]["name"], "obstacle1");
+    assert_eq!(glb.json["nodes"][3]["name"], "obstacle2");
+    assert!(glb.animation(3, "rotation").is_some());
+    let primitive = &glb.mesh_of(2)["primitives"][0];
+    assert_eq!(primitive["material"], 1);
+    assert_eq!(glb.corners(primitive), [0, 1, 2]);
+    assert_eq!(glb.mesh_of(2)["weights"].as_array().unwrap().len(), 6);
+    let start = glb.vectors(&primitive["attributes"]["POSITION"]);
+    let targets = primitive["targets"].as_array().unwrap().iter();
+    let targets: Vec<_> = targets.map(|t| glb.vectors(&t["POSITION"])).collect();
+    let [times, weights] = glb.animation(2, "weights").unwrap();
+    for (time, weights) in times.iter().zip(weights.chunks(6)) {
+        for v in 0..3 {
+            let moved = weights.iter().zip(&targets).map(|(w, t)| t[v] * *w);
+            let x = start[v] + moved.sum::<Vec3>();
+            let expected = interpolated(*time, v);
+            assert!((x - expected).norm() < 1e-6, "{time} s: {x} {expected}");
+        }
+    }
+}
+
 #[test]
 fn one_frame_is_a_gltf_without_an_animation() {
     let to = folder("gltf-still");
