@@ -105,8 +105,8 @@ pub struct Summary {
     pub tangled: Option<String>,
     /// Smallest distance (m) at the end between parts that share no vertex.
     pub min_distance: Option<Real>,
-    /// Smallest distance (m) at the end of a vertex from an obstacle, negative inside; none where there are no
-    /// obstacles.
+    /// Smallest distance (m) at the end of a vertex from a body, negative inside a rigid one and without a sign from an
+    /// animated one; none where there are no bodies.
     pub min_clearance: Option<Real>,
     /// Largest distance (m) at the end between two vertices that are sewn together; none where there is no seam.
     pub max_seam_gap: Option<Real>,

@@ -35,7 +35,8 @@ Of the numbers that come out:
   rebuilds             changes of the cloth on the way (pins, tears) for which the method was built anew
   tangled_pairs        pairs of triangles that passed through each other before each step, of a scene with untangle=yes, until there were none
   unfinished_steps     steps that ended at their most iterations, short of the end that the method looks for
-  held_steps           steps that ended with vertices held back by contact";
+  held_steps           steps that ended with vertices held back by contact
+  min_clearance        smallest distance of a vertex from an obstacle at the end, negative inside; from an animation without a sign (m)";
 
 /// Arguments of `run`.
 #[derive(Debug, Args)]

@@ -1,9 +1,9 @@
 //! Crossings and distances after every step.
 
 use crate::error::BenchError;
-use crate::scene::{ContactSetup, Scene};
+use crate::scene::Scene;
 use cloth_collide::{BodyProbe, SeparationProbe};
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::Real;
 use cloth_core::particles::State;
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,8 @@ pub struct Watched {
     pub most_obstacle_intersections: usize,
     /// Smallest distance (m) after a step between parts that share no vertex.
     pub min_distance: Option<Real>,
-    /// Smallest distance (m) after a step of a vertex from an obstacle, negative inside.
+    /// Smallest distance (m) after a step of a vertex from a body, negative inside a rigid one and without a sign from
+    /// an animated one.
     pub min_clearance: Option<Real>,
 }
 
@@ -106,12 +107,8 @@ pub(super) fn crossed_bodies(
     }
 }
 
-/// Smallest distance (m) of a vertex from an obstacle, where the obstacles are at the time of the state.
+/// Smallest distance (m) of a vertex from a body, where the bodies are at the time of the state.
 pub(super) fn min_clearance(scene: &Scene, state: &State) -> Option<Real> {
-    let obstacles = scene.touch.iter().flat_map(ContactSetup::obstacles);
-    let clearances = obstacles.flat_map(|obstacle| {
-        let clearance = |&x: &Vec3| obstacle.signed_distance(x, state.time).value;
-        state.positions.iter().map(clearance)
-    });
-    clearances.reduce(Real::min)
+    let touch = scene.touch.as_ref()?;
+    touch.min_clearance(&state.positions, state.time)
 }

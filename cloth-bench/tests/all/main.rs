@@ -1,6 +1,7 @@
 //! All tests of this crate in one program, which links once; a file is a subject, and a filter picks it:
 //! `cargo test --release -p cloth-bench --test all laws::`.
 
+mod animations;
 mod bending_laws;
 mod broad_phase;
 mod ccd;

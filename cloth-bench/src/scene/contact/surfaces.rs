@@ -2,8 +2,8 @@
 
 use super::ContactSetup;
 use crate::error::BenchError;
-use cloth_collide::BodyProbe;
 use cloth_collide::obstacle::Pose;
+use cloth_collide::{BodyProbe, distance_from_surface};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
@@ -79,6 +79,20 @@ impl ContactSetup {
             (positions, shape.triangles())
         });
         rigid.chain(animated)
+    }
+
+    /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without a
+    /// sign from the triangles of an animated one. None where there are no bodies.
+    #[must_use]
+    pub fn min_clearance(&self, x: &[Vec3], time: Real) -> Option<Real> {
+        let rigid = self.obstacles().flat_map(|obstacle| {
+            let clearance = move |&x: &Vec3| obstacle.signed_distance(x, time).value;
+            x.iter().map(clearance)
+        });
+        let animated = self.surfaces(time).skip(self.obstacles.len());
+        let animated = animated
+            .filter_map(|(positions, triangles)| distance_from_surface(x, &positions, triangles));
+        rigid.chain(animated).reduce(Real::min)
     }
 
     /// What counts the triangles of the cloth `mesh` that go through bodies; nothing where no body has an edge.
