@@ -69,3 +69,34 @@ fn clearance_is_the_distance_from_the_triangles() {
         close(end.min_clearance, expected);
     }
 }
+
+/// Shape k, at the height k, is the file of the k-th of these names, and written in another order.
+#[test]
+fn shapes_come_in_the_order_of_the_numbers_in_their_names() {
+    let in_order = [
+        "1.obj",
+        "2.obj",
+        "010.obj",
+        "10.obj",
+        "11-b.obj",
+        "100000000000000000000000000001.obj",
+        "body.obj",
+        "body9_walk2.obj",
+        "body9_walk10.obj",
+        "body10_walk1.obj",
+    ];
+    let at = |k: usize| {
+        let z = k as f64;
+        [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]]
+    };
+    let mut files: Vec<_> = (0..in_order.len()).map(|k| (in_order[k], at(k))).collect();
+    files.sort_by_key(|(name, _)| name.len());
+    files.reverse();
+    shapes("natural", &files);
+    let scene = above("natural", "");
+    for (k, name) in in_order.iter().enumerate() {
+        let surfaces = scene.obstacle_surfaces(0.1 * k as f64);
+        let height = surfaces[0].0[0].z;
+        assert!((height - k as f64).abs() < 1e-12, "{name}: {height}");
+    }
+}
