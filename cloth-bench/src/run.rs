@@ -1,5 +1,6 @@
 //! One simulation: a scene, a method, a number of steps.
 
+mod crossings;
 mod energy;
 mod load;
 mod parts;
@@ -7,6 +8,7 @@ mod solver;
 mod timed;
 mod watch;
 
+pub use crossings::crossing_warnings;
 pub use energy::EnergyGain;
 pub use solver::Solver;
 pub use watch::{SeparationWatch, Watched};

@@ -6,7 +6,7 @@ use crate::export::{Export, Format};
 use crate::memory;
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
-use crate::run::{Moment, Plan, SeparationWatch, Solver, run_changing};
+use crate::run::{Moment, Plan, SeparationWatch, Solver, crossing_warnings, run_changing};
 use crate::scene::{self, Scene, SceneInfo};
 use crate::settings::Settings;
 use crate::yardstick::StepProblem;
@@ -257,6 +257,7 @@ fn simulate(
         write_file(file, table.as_bytes())?;
     }
     let vertices = state.positions.len();
+    let start = scene;
     let (summary, scene) = match finished {
         Ok((summary, end)) => (summary, end),
         Err(error) => {
@@ -325,9 +326,11 @@ fn simulate(
             ("export_bytes", json!(exported.bytes)),
         ]);
     }
-    if let Some(seen) = watch.map(|watch| watch.seen()) {
+    let seen = watch.map(|watch| watch.seen());
+    if let Some(seen) = &seen {
         pairs.extend([
             ("crossed_steps", json!(seen.crossed_steps)),
+            ("obstacle_crossed_steps", json!(seen.obstacle_crossed_steps)),
             ("most_intersections", json!(seen.most_intersections)),
             (
                 "most_obstacle_intersections",
@@ -351,7 +354,8 @@ fn simulate(
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
     let warnings = [summary.energy_warning(), summary.budget_warning()];
-    for warning in warnings.into_iter().flatten() {
+    let crossings = crossing_warnings(start, &summary, seen.as_ref())?;
+    for warning in warnings.into_iter().flatten().chain(crossings) {
         eprintln!("warning: {warning}");
     }
     let gain = summary.energy_gain.map(BenchError::failed);

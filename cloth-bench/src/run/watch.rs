@@ -10,8 +10,10 @@ use serde::{Deserialize, Serialize};
 /// What [`SeparationWatch`] has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
-    /// Steps after which triangles crossed.
+    /// Steps after which triangles of the cloth crossed each other.
     pub crossed_steps: u32,
+    /// Steps after which triangles of the cloth crossed those of a body.
+    pub obstacle_crossed_steps: u32,
     /// Largest number of crossing pairs of triangles after a step.
     pub most_intersections: usize,
     /// Largest number of pairs of a triangle of the cloth and one of a body that cross after a step.
@@ -62,6 +64,7 @@ impl SeparationWatch {
         if let Some(now) = crossed_bodies(scene, &mut self.bodies, state)? {
             let most = &mut self.seen.most_obstacle_intersections;
             *most = now.max(*most);
+            self.seen.obstacle_crossed_steps += u32::from(now > 0);
         }
         if let Some(probe) = &mut self.probe {
             let now = probe

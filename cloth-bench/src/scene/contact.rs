@@ -64,6 +64,8 @@ pub(super) enum Body {
         free: Option<Box<RigidBody>>,
         /// Whether its signed distance at the vertices of the cloth is all there is to it.
         is_flat: bool,
+        /// Whether its signed distance is looked up in a grid.
+        is_sampled: bool,
         /// Coefficient of friction of its own (dimensionless).
         friction: Option<Real>,
     },
@@ -117,6 +119,8 @@ pub struct ContactSetup {
     animated: Vec<(TriMesh, AnimatedMesh, Real)>,
     /// Numbers of the obstacles, and of the animated surfaces behind them, in the scene, from 0.
     numbers: Vec<usize>,
+    /// Numbers in the scene, from 0, of obstacles whose signed distance is looked up in a grid.
+    sampled: Vec<usize>,
     /// Whether the common coefficient of friction is that of anything.
     is_common_friction_felt: bool,
     pub(super) pieces: Option<PieceContact>,
@@ -133,6 +137,7 @@ impl ContactSetup {
         let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         let (mut obstacles, mut frictions) = (Vec::new(), Vec::new());
+        let mut sampled = Vec::new();
         let (mut rigid_numbers, mut animated_numbers) = (Vec::new(), Vec::new());
         let mut is_common_friction_felt = *own.collides;
         let mut friction_of = |own: Option<Real>| {
@@ -146,8 +151,10 @@ impl ContactSetup {
                     surface,
                     free,
                     is_flat,
+                    is_sampled,
                     friction,
                 } => {
+                    sampled.extend(is_sampled.then_some(number));
                     frictions.push(friction_of(friction));
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
                     rigid_numbers.push(number);
@@ -199,6 +206,7 @@ impl ContactSetup {
             free: free_bodies,
             highest_frequency,
             animated,
+            sampled,
             numbers: [rigid_numbers, animated_numbers].concat(),
             is_common_friction_felt,
             pieces: None,
@@ -215,10 +223,20 @@ impl ContactSetup {
     }
 
     /// Whether there is nothing to touch, or nothing to be done about it.
-    pub(super) fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         let has_bodies = !self.shapes.is_empty() || !self.animated.is_empty();
         let alone = !self.self_collision && !has_bodies;
         alone || !self.is_on
+    }
+
+    /// Whether the cloth can touch itself, where contact is switched on.
+    pub(crate) fn touches_itself(&self) -> bool {
+        self.self_collision
+    }
+
+    /// Numbers in the scene, from 0, of obstacles whose signed distance is looked up in a grid.
+    pub(crate) fn sampled(&self) -> impl Iterator<Item = usize> + '_ {
+        self.sampled.iter().copied()
     }
 
     /// Whether what hits something leaves it with a given part of its speed.

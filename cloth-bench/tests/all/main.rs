@@ -10,6 +10,7 @@ mod cli;
 mod commands;
 mod concave_edges;
 mod contact_time;
+mod crossings;
 mod crumpled;
 mod energy;
 mod error;
