@@ -1,5 +1,7 @@
 //! `cloth-bench run SCENE --method M`
 
+mod forces;
+
 use super::{PATIENCE, print_pairs, while_saying, write_file};
 use crate::error::BenchError;
 use crate::export::{Export, Format};
@@ -11,12 +13,11 @@ use crate::scene::{self, Scene, SceneInfo};
 use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use clap::Args;
-use cloth_collide::potential::ContactForces;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::Stepper;
+use forces::ForcesTable;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -84,8 +85,8 @@ pub struct Arguments {
     /// Exports every K-th step only
     #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
     export_every: u32,
-    /// CSV file for the force and the torque on every body in every step; exports in vtk get the forces of contact on
-    /// every vertex
+    /// CSV file for the force, its part along the normals and its friction, and the torque on every body in every step,
+    /// bodies numbered in the order of the scene file; exports in vtk get the forces of contact on every vertex
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,
     /// PNG file for a picture of the end
@@ -204,7 +205,7 @@ fn simulate(
         )?),
         None => None,
     };
-    let mut table = arguments.forces.is_some().then(|| FORCES.to_owned());
+    let mut table = arguments.forces.is_some().then(ForcesTable::default);
     let bar = progress_bar(steps);
     let mut state = scene.start.clone();
     let mut watch = arguments
@@ -224,8 +225,8 @@ fn simulate(
         if let Some(export) = &mut export {
             export.after(moment)?;
         }
-        if let (Some(table), Some(forces)) = (&mut table, moment.forces) {
-            add_forces(table, state.time, step, forces);
+        if let Some(table) = &mut table {
+            table.add(moment);
         }
         let limit = arguments.time_limit.unwrap_or(Real::INFINITY);
         if step < steps && begun.elapsed().as_secs_f64() > limit {
@@ -254,7 +255,7 @@ fn simulate(
     // Of a run that failed too: what came before the failure may show why.
     let exported = export.map(Export::finish).transpose();
     if let (Some(file), Some(table)) = (&arguments.forces, &table) {
-        write_file(file, table.as_bytes())?;
+        write_file(file, table.text().as_bytes())?;
     }
     let vertices = state.positions.len();
     let start = scene;
@@ -367,28 +368,6 @@ fn simulate(
     );
     print_pairs(arguments.json, &pairs)?;
     failure.map_or(Ok(()), Err)
-}
-
-/// Head of the table of forces.
-const FORCES: &str = "step,time (s),body,force x (N),force y (N),force z (N),torque x (N m),torque y (N m),torque z (N m)\n";
-
-/// Adds the rows of a step.
-fn add_forces(table: &mut String, time: Real, step: u32, forces: &ContactForces) {
-    for (number, body) in forces.bodies.iter().enumerate() {
-        let [f, t] = [body.force, body.torque];
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            table,
-            "{step},{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?}",
-            number + 1,
-            f.x,
-            f.y,
-            f.z,
-            t.x,
-            t.y,
-            t.z
-        );
-    }
 }
 
 /// It ticks, so that a long step shows as one.

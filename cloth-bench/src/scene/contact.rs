@@ -338,6 +338,13 @@ impl ContactSetup {
         (dt * self.highest_frequency).ceil().clamp(1.0, MOST) as u32
     }
 
+    /// Numbers of the bodies in the scene, from 0: of the obstacles in their order, then of the animated surfaces, as
+    /// [`ContactForces`](cloth_collide::potential::ContactForces) has them.
+    #[must_use]
+    pub fn body_numbers(&self) -> &[usize] {
+        &self.numbers
+    }
+
     /// Distance to keep (m).
     pub(crate) fn thickness(&self) -> Real {
         self.thickness
