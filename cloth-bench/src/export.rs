@@ -3,7 +3,7 @@
 //! | format | files in the folder | numbers | for |
 //! |---|---|---|---|
 //! | `obj` | `00000.obj`, `00001.obj`, … | text, every bit | every modelling program; `--mesh` |
-//! | `ply` | `00000.ply`, `00001.ply`, … | binary, double precision | MeshLab, Blender, Open3D; `--mesh` |
+//! | `ply` | `00000.ply`, `00001.ply`, … | binary, double precision, where they are recorded with forces of contact (N) as `pressure_x`, …, `friction_z` | MeshLab, Blender, Open3D; `--mesh` |
 //! | `vtk` | `run.pvd`, `cloth_00000.vtp`, … | binary, double precision, with velocities (m/s), times (s) and, where they are recorded, forces of contact (N) | ParaView: open `run.pvd` |
 //! | `gltf` | `run.glb` | single precision, played between the frames | Blender and the web |
 //!
@@ -91,6 +91,17 @@ struct Frame<'a> {
     obstacles: Vec<BodySurface<'a>>,
 }
 
+impl Frame<'_> {
+    /// Pressure and friction (N), one per vertex, by the names that they have in files; none where they are not recorded.
+    fn force_vectors(&self) -> Vec<(&'static str, &[Vec3])> {
+        let both = self.forces.iter();
+        let named = both.flat_map(|[normal, friction]| {
+            [("pressure", &normal[..]), ("friction", &friction[..])]
+        });
+        named.collect()
+    }
+}
+
 /// The triangles of a scene's mesh in the caller's vertex numbers.
 fn triangles(scene: &Scene, mesh: &TriMesh) -> Vec<[u32; 3]> {
     match &scene.order {
@@ -158,8 +169,8 @@ impl Export {
         Ok(export)
     }
 
-    /// Writes what is there after a step, if it is one of those to be written; in `vtk` with the forces of contact,
-    /// where they are recorded.
+    /// Writes what is there after a step, if it is one of those to be written; in `vtk` and `ply` with the forces of
+    /// contact, where they are recorded.
     ///
     /// # Errors
     /// [`BenchError::Failed`] with the path if it cannot be written.

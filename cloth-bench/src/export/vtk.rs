@@ -19,9 +19,7 @@ impl Writer for Vtk {
         let (step, time) = (frame.step, frame.time);
         let name = format!("cloth_{step:05}.vtp");
         let mut arrays = vec![("velocity", &frame.velocities[..])];
-        if let Some([normal, friction]) = &frame.forces {
-            arrays.extend([("pressure", &normal[..]), ("friction", &friction[..])]);
-        }
+        arrays.extend(frame.force_vectors());
         let cloth = polygons(time, &frame.positions, frame.triangles, &arrays);
         folder.write(&name, &[&cloth])?;
         self.enter(time, 0, "cloth", &name);

@@ -170,6 +170,80 @@ fn vtk_holds_the_same_bits_and_the_times() {
     }
 }
 
+/// A sheet that rests on a slope: forces on its vertices are the same bits in both formats, carry its weight, and leave
+/// the mesh as it is.
+#[test]
+fn vtk_and_ply_hold_the_same_forces() {
+    let folder_of = |name: &str| {
+        let path = folder(name);
+        std::fs::create_dir_all(&path).unwrap();
+        path
+    };
+    let [vtk, ply] = ["forces-vtk", "forces-ply"].map(folder_of);
+    let scene = ply.with_extension("toml");
+    let text = "dt = 0.01\ngravity = [1, 0, -9.81]\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\n\
+                translate = [0, 0, 0.00199804]\n[[obstacle]]\nshape = \"plane\"\n";
+    std::fs::write(&scene, text).unwrap();
+    let table = ply.with_extension("csv");
+    let run = format!(
+        "run {} --method xpbd --steps 40 --forces {}",
+        scene.display(),
+        table.display()
+    );
+    export(&run, "vtk", &vtk);
+    export(&run, "ply", &ply);
+    let of_vtk = std::fs::read(vtk.join("cloth_00040.vtp")).unwrap();
+    let of_ply = std::fs::read(ply.join("00040.ply")).unwrap();
+    let end = b"end_header\n";
+    let head = of_ply.windows(end.len()).position(|w| w == end).unwrap();
+    let (head, body) = of_ply.split_at(head + end.len());
+    let head = std::str::from_utf8(head).unwrap();
+    let names = head
+        .lines()
+        .filter_map(|l| l.strip_prefix("property double "));
+    let names: Vec<&str> = names.collect();
+    let numbers: Vec<f64> = body[..9 * 8 * names.len()]
+        .as_chunks()
+        .0
+        .iter()
+        .map(|number| f64::from_le_bytes(*number))
+        .collect();
+    let column = |name: &str| {
+        let at = names.iter().position(|n| *n == name).unwrap();
+        numbers.iter().skip(at).step_by(names.len()).copied()
+    };
+    let mut sums = [[0.0; 3]; 2];
+    for (what, sums) in ["pressure", "friction"].into_iter().zip(&mut sums) {
+        let expected = appended(&of_vtk, what).into_iter().map(f64::from_le_bytes);
+        let expected: Vec<f64> = expected.collect();
+        for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+            let found = column(&format!("{what}_{name}"));
+            assert!(
+                found
+                    .clone()
+                    .eq(expected.iter().skip(axis).step_by(3).copied())
+            );
+            sums[axis] = found.sum();
+        }
+    }
+    let mass = 0.2;
+    for (found, expected) in sums
+        .as_flattened()
+        .iter()
+        .zip([[0.0, 0.0, 9.81 * mass], [-mass, 0.0, 0.0]].as_flattened())
+    {
+        assert!((found - expected).abs() < 1e-4, "{sums:?}");
+    }
+    // A reader of meshes finds the mesh; the start has no forces.
+    let read = |name: &str| io::read(&ply.join(name)).unwrap();
+    assert_eq!(read("00040.ply").triangles(), read("00000.ply").triangles());
+    assert!(read("00040.ply").positions().iter().all(|x| x.z > 1e-3));
+    assert!(
+        !String::from_utf8_lossy(&std::fs::read(ply.join("00000.ply")).unwrap())
+            .contains("pressure")
+    );
+}
+
 /// A GLB file, taken apart.
 struct Glb {
     json: Value,
