@@ -7,8 +7,8 @@
 //! | `vtk` | `run.pvd`, `cloth_00000.vtp`, … | binary, double precision, with velocities (m/s), times (s) and, where they are recorded, forces of contact (N) | ParaView: open `run.pvd` |
 //! | `gltf` | `run.glb` | single precision, played between the frames | Blender and the web |
 //!
-//! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles, animated ones
-//! too, are surfaces of their own, numbered in the order of the scene file: `obstacle1.obj`, or one file a frame
+//! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles, animated
+//! ones too, are surfaces of their own, numbered in the order of the scene file: `obstacle1.obj`, or one file a frame
 //! (`obstacle1_00000.obj`) where they move. `obj`, `ply` and `vtk` keep the axes of the scene; `gltf` has y up, so its
 //! root node turns the scene.
 //!
@@ -92,7 +92,8 @@ struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// Pressure and friction (N), one per vertex, by the names that they have in files; none where they are not recorded.
+    /// Pressure and friction (N), one per vertex, by the names that they have in files; none where they are not
+    /// recorded.
     fn force_vectors(&self) -> Vec<(&'static str, &[Vec3])> {
         let both = self.forces.iter();
         let named = both.flat_map(|[normal, friction]| {

@@ -6,7 +6,8 @@
 //! move and turn. Names and limits are those of the *glTF 2.0 specification* (Khronos, ISO/IEC 12113).
 //!
 //! Size: 12 bytes for each vertex and frame, of the cloth and of obstacles that change their shape, and 4 for each pair
-//! of frames, because the animation lists all weights at the time of every frame. Many viewers on the web cannot have more than 256 targets; `--export-every` makes fewer.
+//! of frames, because the animation lists all weights at the time of every frame. Many viewers on the web cannot have
+//! more than 256 targets; `--export-every` makes fewer.
 //!
 //! The validator of the Khronos group (`npm install gltf-validator`) finds nothing to say about these files:
 //!

@@ -4,8 +4,8 @@ use crate::run::Moment;
 use cloth_core::math::Vec3;
 use std::fmt::Write as _;
 
-/// As CSV: a row for each step and body. Bodies are numbered from 1 in the order of the `[[obstacle]]` tables of a scene
-/// file, animations among them, and come in this order. The force is the sum of its normal and its friction.
+/// As CSV: a row for each step and body. Bodies are numbered from 1 in the order of the `[[obstacle]]` tables of a
+/// scene file, animations among them, and come in this order. The force is the sum of its normal and its friction.
 pub(super) struct ForcesTable(String);
 
 impl Default for ForcesTable {

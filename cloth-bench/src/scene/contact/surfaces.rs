@@ -81,8 +81,8 @@ impl ContactSetup {
         rigid.chain(animated)
     }
 
-    /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without a
-    /// sign from the triangles of an animated one. None where there are no bodies.
+    /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without
+    /// a sign from the triangles of an animated one. None where there are no bodies.
     #[must_use]
     pub fn min_clearance(&self, x: &[Vec3], time: Real) -> Option<Real> {
         let rigid = self.obstacles().flat_map(|obstacle| {
