@@ -3,13 +3,14 @@
 //! | format | files in the folder | numbers | for |
 //! |---|---|---|---|
 //! | `obj` | `00000.obj`, `00001.obj`, … | text, every bit | every modelling program; `--mesh` |
-//! | `ply` | `00000.ply`, `00001.ply`, … | binary, double precision | MeshLab, Blender, Open3D; `--mesh` |
+//! | `ply` | `00000.ply`, `00001.ply`, … | binary, double precision, where they are recorded with forces of contact (N) as `pressure_x`, …, `friction_z` | MeshLab, Blender, Open3D; `--mesh` |
 //! | `vtk` | `run.pvd`, `cloth_00000.vtp`, … | binary, double precision, with velocities (m/s), times (s) and, where they are recorded, forces of contact (N) | ParaView: open `run.pvd` |
 //! | `gltf` | `run.glb` | single precision, played between the frames | Blender and the web |
 //!
-//! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles are surfaces
-//! of their own: `obstacle1.obj`, or one file a frame (`obstacle1_00000.obj`) where they move. `obj`, `ply` and `vtk`
-//! keep the axes of the scene; `gltf` has y up, so its root node turns the scene.
+//! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles, animated
+//! ones too, are surfaces of their own, numbered in the order of the scene file: `obstacle1.obj`, or one file a frame
+//! (`obstacle1_00000.obj`) where they move. `obj`, `ply` and `vtk` keep the axes of the scene; `gltf` has y up, so its
+//! root node turns the scene.
 //!
 //! A run that fails leaves the frames before the failure, complete and playable; a full disk leaves no part of a file.
 
@@ -20,7 +21,7 @@ mod vtk;
 use crate::error::BenchError;
 use crate::files;
 use crate::run::Moment;
-use crate::scene::{ChangeKind, Scene};
+use crate::scene::{BodySurface, ChangeKind, Scene};
 use clap::ValueEnum;
 use cloth_collide::potential::ContactForces;
 use cloth_core::math::{Real, Vec3};
@@ -87,20 +88,19 @@ struct Frame<'a> {
     /// Pressure and friction (N), where they are recorded.
     forces: Option<[Vec<Vec3>; 2]>,
     triangles: &'a [[u32; 3]],
-    obstacles: Vec<Body<'a>>,
+    obstacles: Vec<BodySurface<'a>>,
 }
 
-/// An obstacle in a frame.
-struct Body<'a> {
-    /// `obstacle1`, `obstacle2`, …
-    name: String,
-    /// Vertices (m).
-    positions: Vec<Vec3>,
-    triangles: &'a [[u32; 3]],
-    /// Whether it never moves.
-    is_still: bool,
-    /// Where it is.
-    pose: cloth_collide::obstacle::Pose,
+impl Frame<'_> {
+    /// Pressure and friction (N), one per vertex, by the names that they have in files; none where they are not
+    /// recorded.
+    fn force_vectors(&self) -> Vec<(&'static str, &[Vec3])> {
+        let both = self.forces.iter();
+        let named = both.flat_map(|[normal, friction]| {
+            [("pressure", &normal[..]), ("friction", &friction[..])]
+        });
+        named.collect()
+    }
 }
 
 /// The triangles of a scene's mesh in the caller's vertex numbers.
@@ -170,8 +170,8 @@ impl Export {
         Ok(export)
     }
 
-    /// Writes what is there after a step, if it is one of those to be written; in `vtk` with the forces of contact,
-    /// where they are recorded.
+    /// Writes what is there after a step, if it is one of those to be written; in `vtk` and `ply` with the forces of
+    /// contact, where they are recorded.
     ///
     /// # Errors
     /// [`BenchError::Failed`] with the path if it cannot be written.
@@ -199,27 +199,8 @@ impl Export {
             Some(order) => order.restore(values),
             None => values.to_vec(),
         };
-        let obstacles = scene.touch.iter().flat_map(|touch| touch.obstacles());
-        let surfaces = scene.obstacle_surfaces(state.time);
-        let is_free = |number| {
-            scene
-                .touch
-                .as_ref()
-                .is_some_and(|touch| touch.is_free(number))
-        };
-        let body = |(number, (obstacle, (positions, triangles)))| {
-            let motion: &cloth_collide::obstacle::RigidMotion =
-                cloth_collide::obstacle::Obstacle::motion(obstacle);
-            Body {
-                name: format!("obstacle{}", number + 1),
-                positions,
-                triangles,
-                is_still: !is_free(number)
-                    && motion.velocity == Vec3::zeros()
-                    && motion.angular_velocity == Vec3::zeros(),
-                pose: motion.pose_at(state.time),
-            }
-        };
+        let obstacles = scene.touch.iter();
+        let obstacles = obstacles.flat_map(|touch| touch.body_surfaces(state.time));
         let frame = Frame {
             index: self.frames,
             step,
@@ -228,7 +209,7 @@ impl Export {
             velocities: back(&state.velocities),
             forces: forces.map(|f| [back(&f.normal), back(&f.friction)]),
             triangles: &self.triangles,
-            obstacles: obstacles.zip(surfaces).enumerate().map(body).collect(),
+            obstacles: obstacles.collect(),
         };
         self.writer.frame(&frame, &mut self.folder)?;
         self.frames += 1;

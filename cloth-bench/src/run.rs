@@ -1,5 +1,6 @@
 //! One simulation: a scene, a method, a number of steps.
 
+mod crossings;
 mod energy;
 mod load;
 mod parts;
@@ -7,6 +8,7 @@ mod solver;
 mod timed;
 mod watch;
 
+pub use crossings::crossing_warnings;
 pub use energy::EnergyGain;
 pub use solver::Solver;
 pub use watch::{SeparationWatch, Watched};
@@ -105,8 +107,8 @@ pub struct Summary {
     pub tangled: Option<String>,
     /// Smallest distance (m) at the end between parts that share no vertex.
     pub min_distance: Option<Real>,
-    /// Smallest distance (m) at the end of a vertex from an obstacle, negative inside; none where there are no
-    /// obstacles.
+    /// Smallest distance (m) at the end of a vertex from a body, negative inside a rigid one and without a sign from an
+    /// animated one; none where there are no bodies.
     pub min_clearance: Option<Real>,
     /// Largest distance (m) at the end between two vertices that are sewn together; none where there is no seam.
     pub max_seam_gap: Option<Real>,
@@ -132,8 +134,9 @@ struct Course<'a> {
     pushes: Vec<Push>,
     /// Forces (N) of air and gas, and those of the scene, where there is more than air.
     load: Vec<Vec3>,
-    /// Time that the last step took (s), without that of its energy balance.
+    /// Time that the last step took (s), without that of its energy balance, and that of contact in it.
     seconds: Real,
+    contact_seconds: Real,
 }
 
 impl Summary {
@@ -165,12 +168,7 @@ impl Summary {
 
 impl<'a> Course<'a> {
     fn new(scene: &'a Scene) -> Result<Self, BenchError> {
-        let timed = |source| Timed {
-            source,
-            seconds: 0.0,
-            held_steps: 0,
-        };
-        let contacts = scene.contacts()?.map(timed);
+        let contacts = scene.contacts()?.map(Timed::new);
         let air = scene.air.clone();
         Ok(Self {
             scene: Cow::Borrowed(scene),
@@ -185,6 +183,7 @@ impl<'a> Course<'a> {
             pushes: Vec::new(),
             load: Vec::new(),
             seconds: 0.0,
+            contact_seconds: 0.0,
         })
     }
 
@@ -291,7 +290,7 @@ impl<'a> Course<'a> {
         mut balance: Option<&mut EnergyBalance>,
     ) -> Result<StepReport, BenchError> {
         if let Some(contacts) = &mut self.contacts {
-            contacts.seconds = 0.0;
+            contacts.reset();
         }
         let started = Instant::now();
         let is_tangled = self.untangle(state)?;
@@ -468,7 +467,7 @@ fn take_steps(
         course.change(solver, state, dt, &mut balance)?;
         let report = course.step(solver.stepper(), state, dt, Some(&mut balance))?;
         seconds.push(course.seconds);
-        contact_seconds.extend(course.contacts.as_ref().map(|contacts| contacts.seconds));
+        contact_seconds.extend(course.contacts.is_some().then_some(course.contact_seconds));
         iterations.push(report.iterations);
         linear_iterations += u64::from(report.linear_iterations);
         chebyshev_fallbacks += u64::from(report.chebyshev_fallbacks);

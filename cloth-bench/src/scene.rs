@@ -11,7 +11,7 @@ mod touching;
 
 pub use build::build;
 pub use change::{Change, ChangeKind, Motion};
-pub use contact::ContactSetup;
+pub use contact::{BodySurface, ContactSetup};
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Range::*, Table};

@@ -275,4 +275,4 @@ pub use ccd::{ContinuousTest, Impact, Query, QueryKind, Stop};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
 pub use intersect::{segment_meets_triangle, triangles_meet};
-pub use separation::{BodyProbe, Separation, SeparationProbe};
+pub use separation::{BodyProbe, Separation, SeparationProbe, distance_from_surface};

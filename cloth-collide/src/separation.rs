@@ -1,8 +1,10 @@
 //! How far is the cloth from touching itself, and where it does, how often?
 
 mod bodies;
+mod surface;
 
 pub use bodies::BodyProbe;
+pub use surface::distance_from_surface;
 
 use crate::bounds::Bounds;
 use crate::broad_phase::TrianglePairs;

@@ -1,22 +1,23 @@
 //! `cloth-bench run SCENE --method M`
 
+mod forces;
+
 use super::{PATIENCE, print_pairs, while_saying, write_file};
 use crate::error::BenchError;
 use crate::export::{Export, Format};
 use crate::memory;
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
-use crate::run::{Moment, Plan, SeparationWatch, Solver, run_changing};
+use crate::run::{Moment, Plan, SeparationWatch, Solver, crossing_warnings, run_changing};
 use crate::scene::{self, Scene, SceneInfo};
 use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use clap::Args;
-use cloth_collide::potential::ContactForces;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::Stepper;
+use forces::ForcesTable;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -35,7 +36,8 @@ Of the numbers that come out:
   rebuilds             changes of the cloth on the way (pins, tears) for which the method was built anew
   tangled_pairs        pairs of triangles that passed through each other before each step, of a scene with untangle=yes, until there were none
   unfinished_steps     steps that ended at their most iterations, short of the end that the method looks for
-  held_steps           steps that ended with vertices held back by contact";
+  held_steps           steps that ended with vertices held back by contact
+  min_clearance        smallest distance of a vertex from an obstacle at the end, negative inside; from an animation without a sign (m)";
 
 /// Arguments of `run`.
 #[derive(Debug, Args)]
@@ -83,8 +85,9 @@ pub struct Arguments {
     /// Exports every K-th step only
     #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
     export_every: u32,
-    /// CSV file for the force and the torque on every body in every step; exports in vtk get the forces of contact on
-    /// every vertex
+    /// CSV file for the force, its part along the normals and its friction, and the torque on every body in every step,
+    /// bodies numbered in the order of the scene file; exports in vtk and ply get the forces of contact on every
+    /// vertex
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,
     /// PNG file for a picture of the end
@@ -203,7 +206,7 @@ fn simulate(
         )?),
         None => None,
     };
-    let mut table = arguments.forces.is_some().then(|| FORCES.to_owned());
+    let mut table = arguments.forces.is_some().then(ForcesTable::default);
     let bar = progress_bar(steps);
     let mut state = scene.start.clone();
     let mut watch = arguments
@@ -223,8 +226,8 @@ fn simulate(
         if let Some(export) = &mut export {
             export.after(moment)?;
         }
-        if let (Some(table), Some(forces)) = (&mut table, moment.forces) {
-            add_forces(table, state.time, step, forces);
+        if let Some(table) = &mut table {
+            table.add(moment);
         }
         let limit = arguments.time_limit.unwrap_or(Real::INFINITY);
         if step < steps && begun.elapsed().as_secs_f64() > limit {
@@ -253,9 +256,10 @@ fn simulate(
     // Of a run that failed too: what came before the failure may show why.
     let exported = export.map(Export::finish).transpose();
     if let (Some(file), Some(table)) = (&arguments.forces, &table) {
-        write_file(file, table.as_bytes())?;
+        write_file(file, table.text().as_bytes())?;
     }
     let vertices = state.positions.len();
+    let start = scene;
     let (summary, scene) = match finished {
         Ok((summary, end)) => (summary, end),
         Err(error) => {
@@ -324,9 +328,11 @@ fn simulate(
             ("export_bytes", json!(exported.bytes)),
         ]);
     }
-    if let Some(seen) = watch.map(|watch| watch.seen()) {
+    let seen = watch.map(|watch| watch.seen());
+    if let Some(seen) = &seen {
         pairs.extend([
             ("crossed_steps", json!(seen.crossed_steps)),
+            ("obstacle_crossed_steps", json!(seen.obstacle_crossed_steps)),
             ("most_intersections", json!(seen.most_intersections)),
             (
                 "most_obstacle_intersections",
@@ -350,7 +356,8 @@ fn simulate(
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
     let warnings = [summary.energy_warning(), summary.budget_warning()];
-    for warning in warnings.into_iter().flatten() {
+    let crossings = crossing_warnings(start, &summary, seen.as_ref())?;
+    for warning in warnings.into_iter().flatten().chain(crossings) {
         eprintln!("warning: {warning}");
     }
     let gain = summary.energy_gain.map(BenchError::failed);
@@ -362,28 +369,6 @@ fn simulate(
     );
     print_pairs(arguments.json, &pairs)?;
     failure.map_or(Ok(()), Err)
-}
-
-/// Head of the table of forces.
-const FORCES: &str = "step,time (s),body,force x (N),force y (N),force z (N),torque x (N m),torque y (N m),torque z (N m)\n";
-
-/// Adds the rows of a step.
-fn add_forces(table: &mut String, time: Real, step: u32, forces: &ContactForces) {
-    for (number, body) in forces.bodies.iter().enumerate() {
-        let [f, t] = [body.force, body.torque];
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            table,
-            "{step},{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?}",
-            number + 1,
-            f.x,
-            f.y,
-            f.z,
-            t.x,
-            t.y,
-            t.z
-        );
-    }
 }
 
 /// It ticks, so that a long step shows as one.

@@ -2,11 +2,12 @@
 //!
 //! The cloth is one mesh. Every frame after the first is a morph target, a displacement of each vertex (m) from the
 //! first frame, and the animation blends from one to the next: at the time of frame i the weight of its target is 1 and
-//! all others are 0, linear in between. Rigid obstacles are nodes that move and turn. Names and limits are those of the
-//! *glTF 2.0 specification* (Khronos, ISO/IEC 12113).
+//! all others are 0, linear in between. Obstacles that change their shape are the same, and rigid ones are nodes that
+//! move and turn. Names and limits are those of the *glTF 2.0 specification* (Khronos, ISO/IEC 12113).
 //!
-//! Size: 12 bytes for each vertex and frame, and 4 for each pair of frames, because the animation lists all weights at
-//! the time of every frame. Many viewers on the web cannot have more than 256 targets; `--export-every` makes fewer.
+//! Size: 12 bytes for each vertex and frame, of the cloth and of obstacles that change their shape, and 4 for each pair
+//! of frames, because the animation lists all weights at the time of every frame. Many viewers on the web cannot have
+//! more than 256 targets; `--export-every` makes fewer.
 //!
 //! The validator of the Khronos group (`npm install gltf-validator`) finds nothing to say about these files:
 //!
@@ -15,10 +16,14 @@
 //! node -e 'require("gltf-validator").validateBytes(new Uint8Array(require("fs").readFileSync("out/run.glb"))).then(r => console.log(r.issues))'
 //! ```
 
-use super::{Body, Folder, Frame, Writer};
+mod morph;
+
+use super::{Folder, Frame, Writer};
 use crate::error::BenchError;
+use crate::scene::BodySurface;
 use cloth_collide::obstacle::Pose;
 use cloth_core::math::{Real, Vec3};
+use morph::Morph;
 use nalgebra::UnitQuaternion;
 use serde_json::{Value, json};
 
@@ -36,16 +41,17 @@ pub(super) struct Gltf {
     /// Turns the scene so that y is up.
     upright: UnitQuaternion<Real>,
     times: Vec<f32>,
-    /// The first frame.
-    start: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    /// Displacements of all later frames, with the least and the largest of each.
-    targets: Vec<u8>,
-    ranges: Vec<[[f32; 3]; 2]>,
-    bodies: Vec<Moving>,
+    cloth: Morph,
+    bodies: Vec<Body>,
 }
 
 /// An obstacle in all frames.
+enum Body {
+    Rigid(Moving),
+    Morphing(Morph),
+}
+
+/// A rigid obstacle in all frames.
 struct Moving {
     name: String,
     /// In the first frame.
@@ -58,19 +64,25 @@ struct Moving {
     rotations: Vec<[f32; 4]>,
 }
 
-impl Moving {
-    fn new(body: &Body<'_>) -> Self {
-        Self {
-            name: body.name.clone(),
-            positions: body.positions.clone(),
-            triangles: body.triangles.to_vec(),
-            first: body.pose,
-            is_still: body.is_still,
-            translations: Vec::new(),
-            rotations: Vec::new(),
+impl Body {
+    fn new(body: &BodySurface<'_>) -> Self {
+        let (name, triangles) = (body.name(), body.triangles.to_vec());
+        match body.pose {
+            Some(first) => Self::Rigid(Moving {
+                name,
+                positions: body.positions.clone(),
+                triangles,
+                first,
+                is_still: body.is_still,
+                translations: Vec::new(),
+                rotations: Vec::new(),
+            }),
+            None => Self::Morphing(Morph::new(&name, &body.positions, triangles)),
         }
     }
+}
 
+impl Moving {
     /// x ↦ R x + t takes the first frame to this one.
     fn add(&mut self, pose: &Pose) {
         let turn = pose.orientation * self.first.orientation.inverse();
@@ -97,18 +109,19 @@ impl Gltf {
             name: name.to_owned(),
             upright: UnitQuaternion::rotation_between(&up, &Vec3::y()).unwrap_or_else(upside_down),
             times: Vec::new(),
-            start: Vec::new(),
-            triangles: Vec::new(),
-            targets: Vec::new(),
-            ranges: Vec::new(),
+            cloth: Morph::default(),
             bodies: Vec::new(),
         }
     }
 
-    /// Size of the file if it ended here (bytes), but for the JSON and the obstacles.
+    /// Size of the file if it ended here (bytes), but for the JSON and rigid obstacles.
     fn size(&self, frames: u64) -> u64 {
-        let [v, f] = [self.start.len(), self.triangles.len()].map(|n| n as u64);
-        12 * (v * frames + f) + 4 * frames * frames.saturating_sub(1)
+        let morphing = self.bodies.iter().filter_map(|body| match body {
+            Body::Morphing(morph) => Some(morph),
+            Body::Rigid(_) => None,
+        });
+        let all = morphing.chain([&self.cloth]);
+        all.map(|morph| morph.size(frames)).sum::<u64>() + 4 * frames * frames.saturating_sub(1)
     }
 }
 
@@ -118,48 +131,49 @@ const LARGEST: u64 = u32::MAX as u64 - (1 << 28);
 impl Writer for Gltf {
     fn frame(&mut self, frame: &Frame<'_>, _: &mut Folder) -> Result<(), BenchError> {
         if frame.index == 0 {
-            self.start = frame.positions.clone();
-            self.triangles = frame.triangles.to_vec();
-            self.bodies = frame.obstacles.iter().map(Moving::new).collect();
+            self.cloth = Morph::new("cloth", &frame.positions, frame.triangles.to_vec());
+            self.bodies = frame.obstacles.iter().map(Body::new).collect();
         }
         if self.size(u64::from(frame.index) + 1) > LARGEST {
             return Err(BenchError::Failed(format!(
                 "{} frames of {} vertices have no room in one glTF file of 4 GiB: use --export-every",
                 frame.index + 1,
-                self.start.len()
+                frame.positions.len()
             )));
         }
-        let moved = frame.positions.iter().zip(&self.start);
-        let displacements: Vec<[f32; 3]> = moved.map(|(x, start)| single(x - start)).collect();
-        // A start or a displacement that is too large is seen in one of them.
-        let all = frame.positions.iter().map(|x| single(*x));
-        if let Some(vertex) = all
-            .zip(&displacements)
-            .position(|(x, d)| x.iter().chain(d).any(|c| !c.is_finite()))
-        {
-            return Err(BenchError::Failed(format!(
-                "vertex {vertex} after step {} is too far out for the single precision of glTF",
+        let far = |vertex: usize, of: String| {
+            BenchError::Failed(format!(
+                "vertex {vertex}{of} after step {} is too far out for the single precision of glTF",
                 frame.step
-            )));
-        }
-        if frame.index > 0 {
-            self.ranges.push(range(&displacements));
-            for number in displacements.as_flattened() {
-                self.targets.extend(number.to_le_bytes());
+            ))
+        };
+        // A frame that is refused leaves nothing behind.
+        let cloth = self.cloth.displacements(&frame.positions);
+        let cloth = cloth.map_err(|vertex| far(vertex, String::new()))?;
+        let mut moved = Vec::new();
+        for (body, surface) in self.bodies.iter().zip(&frame.obstacles) {
+            if let Body::Morphing(morph) = body {
+                let displacements = morph.displacements(&surface.positions);
+                let of = || format!(" of {}", surface.name());
+                moved.push(displacements.map_err(|vertex| far(vertex, of()))?);
             }
         }
         self.times.push(frame.time as f32);
-        for (moving, body) in self.bodies.iter_mut().zip(&frame.obstacles) {
-            moving.add(&body.pose);
+        self.cloth.add(&cloth);
+        let mut moved = moved.iter();
+        for (body, surface) in self.bodies.iter_mut().zip(&frame.obstacles) {
+            match body {
+                Body::Rigid(moving) => surface.pose.iter().for_each(|pose| moving.add(pose)),
+                Body::Morphing(morph) => moved.by_ref().take(1).for_each(|d| morph.add(d)),
+            }
         }
         Ok(())
     }
 
     fn finish(&mut self, folder: &mut Folder) -> Result<(), BenchError> {
         let mut file = Pieces::default();
-        let targets = self.ranges.len();
-        let cloth = self.add_cloth(&mut file);
-        let mut meshes = vec![cloth];
+        let targets = self.times.len().saturating_sub(1);
+        let mut meshes = vec![self.cloth.write(0, &mut file)];
         let mut nodes = vec![json!({
             "name": self.name,
             "rotation": quaternion(&self.upright),
@@ -172,26 +186,35 @@ impl Writer for Gltf {
                 .push(json!({"sampler": samplers.len(), "target": {"node": node, "path": path}}));
             samplers.push(json!({"input": input, "output": output, "interpolation": "LINEAR"}));
         };
-        let times = (targets > 0).then(|| file.times(&self.times));
-        if let Some(times) = times {
+        let played = (targets > 0).then(|| {
             let weight = |i: usize| (1..=targets).map(move |target| f32::from(target == i));
             let weights: Vec<f32> = (0..=targets).flat_map(weight).collect();
-            let weights = file.numbers(&weights, "SCALAR", weights.len());
+            let times = file.times(&self.times);
+            (times, file.numbers(&weights, "SCALAR", weights.len()))
+        });
+        if let Some((times, weights)) = played {
             animate(times, weights, 1, "weights");
         }
-        for body in &self.bodies {
+        for body in &mut self.bodies {
             let node = nodes.len();
-            nodes.push(json!({"name": body.name, "mesh": meshes.len()}));
-            let surface = file.surface(&body.positions, &body.triangles);
-            let mut primitive = surface;
-            primitive["material"] = json!(1);
-            meshes.push(json!({"name": body.name, "primitives": [primitive]}));
-            if let (Some(times), false) = (times, body.is_still) {
-                let (shifts, turns) = (&body.translations, &body.rotations);
-                let shifts = file.numbers(shifts.as_flattened(), "VEC3", shifts.len());
-                let turns = file.numbers(turns.as_flattened(), "VEC4", turns.len());
-                animate(times, shifts, node, "translation");
-                animate(times, turns, node, "rotation");
+            let mesh = match body {
+                Body::Rigid(body) => file.rigid(body),
+                Body::Morphing(morph) => morph.write(1, &mut file),
+            };
+            nodes.push(json!({"name": mesh["name"], "mesh": meshes.len()}));
+            meshes.push(mesh);
+            match (played, body) {
+                (Some((times, _)), Body::Rigid(body)) if !body.is_still => {
+                    let (shifts, turns) = (&body.translations, &body.rotations);
+                    let shifts = file.numbers(shifts.as_flattened(), "VEC3", shifts.len());
+                    let turns = file.numbers(turns.as_flattened(), "VEC4", turns.len());
+                    animate(times, shifts, node, "translation");
+                    animate(times, turns, node, "rotation");
+                }
+                (Some((times, weights)), Body::Morphing(_)) => {
+                    animate(times, weights, node, "weights");
+                }
+                _ => {}
             }
         }
         let material = |name: &str, colour: [Real; 4]| {
@@ -230,35 +253,6 @@ impl Writer for Gltf {
             "run.glb",
             &[&head, &before_text, &text, &before_bytes, &file.bytes],
         )
-    }
-}
-
-impl Gltf {
-    /// The mesh of the cloth with its targets.
-    fn add_cloth(&mut self, file: &mut Pieces) -> Value {
-        let mut primitive = file.surface(&self.start, &self.triangles);
-        primitive["material"] = json!(0);
-        let mut mesh = json!({"name": "cloth"});
-        if !self.ranges.is_empty() {
-            // One view for all targets: they are read one after the other.
-            let view = file.view(&self.targets, Some(VERTICES), Some(12));
-            self.targets = Vec::new();
-            let count = self.start.len();
-            let targets: Vec<Value> = self
-                .ranges
-                .iter()
-                .enumerate()
-                .map(|(index, [min, max])| {
-                    let accessor = json!({"bufferView": view, "byteOffset": 12 * count * index, "componentType": FLOAT,
-                        "count": count, "type": "VEC3", "min": min, "max": max});
-                    json!({"POSITION": file.accessor(accessor)})
-                })
-                .collect();
-            mesh["weights"] = json!(vec![0.0; targets.len()]);
-            primitive["targets"] = json!(targets);
-        }
-        mesh["primitives"] = json!([primitive]);
-        mesh
     }
 }
 
@@ -305,6 +299,13 @@ impl Pieces {
         let position = self.accessor(json!({"bufferView": view, "componentType": FLOAT,
             "count": places.len(), "type": "VEC3", "min": min, "max": max}));
         json!({"attributes": {"POSITION": position}, "indices": indices})
+    }
+
+    /// The mesh of a rigid obstacle.
+    fn rigid(&mut self, body: &Moving) -> Value {
+        let mut primitive = self.surface(&body.positions, &body.triangles);
+        primitive["material"] = json!(1);
+        json!({"name": body.name, "primitives": [primitive]})
     }
 
     /// An accessor of numbers of an animation.

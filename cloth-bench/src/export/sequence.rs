@@ -20,13 +20,21 @@ impl Sequence {
         }
     }
 
-    fn bytes(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<u8> {
+    /// A mesh, in a format that has room for it with vectors at its vertices.
+    fn bytes(
+        &self,
+        positions: &[Vec3],
+        vectors: &[(&str, &[Vec3])],
+        triangles: &[[u32; 3]],
+    ) -> Vec<u8> {
         match self {
             Self::Obj => {
                 let normals = vertex_normals(positions, triangles);
                 obj::format_smooth(positions, &normals, triangles).into_bytes()
             }
-            Self::Ply => ply::format(positions, triangles, Encoding::BinaryLittleEndian),
+            Self::Ply => {
+                ply::format_with(positions, vectors, triangles, Encoding::BinaryLittleEndian)
+            }
         }
     }
 }
@@ -34,15 +42,15 @@ impl Sequence {
 impl Writer for Sequence {
     fn frame(&mut self, frame: &Frame<'_>, folder: &mut Folder) -> Result<(), BenchError> {
         let (step, extension) = (frame.step, self.extension());
-        let cloth = self.bytes(&frame.positions, frame.triangles);
+        let cloth = self.bytes(&frame.positions, &frame.force_vectors(), frame.triangles);
         folder.write(&format!("{step:05}.{extension}"), &[&cloth])?;
         for body in &frame.obstacles {
             let name = match body.is_still {
                 true if frame.index > 0 => continue,
-                true => format!("{}.{extension}", body.name),
-                false => format!("{}_{step:05}.{extension}", body.name),
+                true => format!("{}.{extension}", body.name()),
+                false => format!("{}_{step:05}.{extension}", body.name()),
             };
-            folder.write(&name, &[&self.bytes(&body.positions, body.triangles)])?;
+            folder.write(&name, &[&self.bytes(&body.positions, &[], body.triangles)])?;
         }
         Ok(())
     }

@@ -19,23 +19,21 @@ impl Writer for Vtk {
         let (step, time) = (frame.step, frame.time);
         let name = format!("cloth_{step:05}.vtp");
         let mut arrays = vec![("velocity", &frame.velocities[..])];
-        if let Some([normal, friction]) = &frame.forces {
-            arrays.extend([("pressure", &normal[..]), ("friction", &friction[..])]);
-        }
+        arrays.extend(frame.force_vectors());
         let cloth = polygons(time, &frame.positions, frame.triangles, &arrays);
         folder.write(&name, &[&cloth])?;
         self.enter(time, 0, "cloth", &name);
         for (part, body) in frame.obstacles.iter().enumerate() {
             let name = if body.is_still {
-                format!("{}.vtp", body.name)
+                format!("{}.vtp", body.name())
             } else {
-                format!("{}_{step:05}.vtp", body.name)
+                format!("{}_{step:05}.vtp", body.name())
             };
             if frame.index == 0 || !body.is_still {
                 let bytes = polygons(time, &body.positions, body.triangles, &[]);
                 folder.write(&name, &[&bytes])?;
             }
-            self.enter(time, part + 1, &body.name, &name);
+            self.enter(time, part + 1, &body.name(), &name);
         }
         Ok(())
     }

@@ -6,6 +6,7 @@
 
 use super::Course;
 use super::energy::EnergyBalance;
+use super::timed::Timed;
 use crate::error::BenchError;
 use crate::scene::ContactSetup;
 use cloth_collide::potential::ContactForces;
@@ -47,9 +48,7 @@ impl Course<'_> {
             report = Some(report.map_or(next, |report| report.and(next)));
         }
         self.seconds = taken.seconds;
-        if let Some(contacts) = &mut self.contacts {
-            contacts.seconds = taken.in_contact;
-        }
+        self.contact_seconds = taken.in_contact;
         self.put_bodies(state.time)?;
         if let Some(balance) = balance {
             balance.count_step();
@@ -77,7 +76,7 @@ impl Course<'_> {
         });
         let report = self.part(stepper, state, dt, balance.as_deref_mut())?;
         taken.seconds += self.seconds;
-        taken.in_contact += self.contact_seconds();
+        taken.in_contact += self.contacts.as_ref().map_or(0.0, Timed::seconds);
         let pushed = self
             .contacts
             .as_ref()
@@ -107,10 +106,6 @@ impl Course<'_> {
     fn is_pushing(&self) -> bool {
         let bodies = self.contacts.as_ref();
         bodies.is_some_and(|c| c.source.contacts.free_motions().next().is_some())
-    }
-
-    fn contact_seconds(&self) -> Real {
-        self.contacts.as_ref().map_or(0.0, |c| c.seconds)
     }
 
     /// Adds the forces of one of several parts of a step, which is `share` of it.

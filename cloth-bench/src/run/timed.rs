@@ -2,17 +2,19 @@
 
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{
-    ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
+    ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
+    GlobalRows,
 };
 use cloth_core::enclosure::Enclosed;
 use cloth_core::math::{Real, Vec3};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Contact, with the volumes of the cloth, and how long it took.
+#[derive(Debug)]
 pub(super) struct Timed {
     pub(super) source: Enclosed<PotentialContacts>,
-    /// Time of the last step (s).
-    pub(super) seconds: Real,
+    clock: Clock,
     /// Steps, of all so far, that ended with vertices held back.
     pub(super) held_steps: u32,
 }
@@ -24,7 +26,8 @@ impl ContactSource for Timed {
         inverse_mass: &[Real],
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
-        self.source.keep_free(from, inverse_mass, x)
+        let Self { source, clock, .. } = self;
+        clock.time(|| source.keep_free(from, inverse_mass, x))
     }
 
     fn held(&self) -> usize {
@@ -32,7 +35,7 @@ impl ContactSource for Timed {
     }
 
     fn potential(&mut self) -> &mut dyn ContactPotential {
-        self.source.potential()
+        self
     }
 
     fn constraints(&mut self) -> &mut dyn ContactConstraints {
@@ -48,13 +51,95 @@ impl ContactSource for Timed {
     }
 }
 
+/// The time (ns) that has been taken so far. It can be added to while contact is only read, and from any thread.
+#[derive(Debug, Default)]
+struct Clock(AtomicU64);
+
+impl Clock {
+    /// Lets something act, and adds the time.
+    fn time<T>(&self, act: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let acted = act();
+        // A step of 2⁶⁴ ns would last five centuries.
+        let taken = started.elapsed().as_nanos() as u64;
+        self.0.fetch_add(taken, Ordering::Relaxed);
+        acted
+    }
+}
+
 impl Timed {
+    pub(super) fn new(source: Enclosed<PotentialContacts>) -> Self {
+        Self {
+            source,
+            clock: Clock::default(),
+            held_steps: 0,
+        }
+    }
+
+    /// Time (s) that contact has taken since the clock was set.
+    pub(super) fn seconds(&self) -> Real {
+        1e-9 * self.clock.0.load(Ordering::Relaxed) as Real
+    }
+
+    /// Sets the clock to zero.
+    pub(super) fn reset(&mut self) {
+        self.clock = Clock::default();
+    }
+
     /// Lets the constraints act, and adds the time.
     fn act<T>(&mut self, act: impl FnOnce(&mut dyn ContactConstraints) -> T) -> T {
-        let started = Instant::now();
-        let acted = act(self.source.constraints());
-        self.seconds += started.elapsed().as_secs_f64();
-        acted
+        let Self { source, clock, .. } = self;
+        clock.time(|| act(source.constraints()))
+    }
+
+    /// Lets the potential act, and adds the time.
+    fn change<T>(&mut self, act: impl FnOnce(&mut dyn ContactPotential) -> T) -> T {
+        let Self { source, clock, .. } = self;
+        clock.time(|| act(source.potential()))
+    }
+
+    /// Asks the potential, and adds the time: of the same implementation that [`Timed::change`] lets act.
+    fn ask<T>(&self, ask: impl FnOnce(&dyn ContactPotential) -> T) -> T {
+        let potential: &dyn ContactPotential = match self.source.volumes().is_empty() {
+            true => self.source.contacts.as_potential(),
+            false => &self.source,
+        };
+        self.clock.time(|| ask(potential))
+    }
+}
+
+impl ContactPotential for Timed {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
+        self.change(|p| p.begin(step, start))
+    }
+
+    fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
+        self.change(|p| p.limit(from, to))
+    }
+
+    fn limit_each(
+        &mut self,
+        from: &[Vec3],
+        to: &mut [Vec3],
+        parts: &mut [Real],
+    ) -> Result<(), ContactError> {
+        self.change(|p| p.limit_each(from, to, parts))
+    }
+
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        self.ask(|p| p.add_gradient(x, out))
+    }
+
+    fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
+        self.ask(|p| p.linearize(x, out));
+    }
+
+    fn linearize_globally(&self, x: &[Vec3], out: &mut GlobalRows) {
+        self.ask(|p| p.linearize_globally(x, out));
+    }
+
+    fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
+        self.change(|p| p.end(x, v));
     }
 }
 

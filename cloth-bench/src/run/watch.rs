@@ -1,24 +1,27 @@
 //! Crossings and distances after every step.
 
 use crate::error::BenchError;
-use crate::scene::{ContactSetup, Scene};
+use crate::scene::Scene;
 use cloth_collide::{BodyProbe, SeparationProbe};
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::Real;
 use cloth_core::particles::State;
 use serde::{Deserialize, Serialize};
 
 /// What [`SeparationWatch`] has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
-    /// Steps after which triangles crossed.
+    /// Steps after which triangles of the cloth crossed each other.
     pub crossed_steps: u32,
+    /// Steps after which triangles of the cloth crossed those of a body.
+    pub obstacle_crossed_steps: u32,
     /// Largest number of crossing pairs of triangles after a step.
     pub most_intersections: usize,
     /// Largest number of pairs of a triangle of the cloth and one of a body that cross after a step.
     pub most_obstacle_intersections: usize,
     /// Smallest distance (m) after a step between parts that share no vertex.
     pub min_distance: Option<Real>,
-    /// Smallest distance (m) after a step of a vertex from an obstacle, negative inside.
+    /// Smallest distance (m) after a step of a vertex from a body, negative inside a rigid one and without a sign from
+    /// an animated one.
     pub min_clearance: Option<Real>,
 }
 
@@ -61,6 +64,7 @@ impl SeparationWatch {
         if let Some(now) = crossed_bodies(scene, &mut self.bodies, state)? {
             let most = &mut self.seen.most_obstacle_intersections;
             *most = now.max(*most);
+            self.seen.obstacle_crossed_steps += u32::from(now > 0);
         }
         if let Some(probe) = &mut self.probe {
             let now = probe
@@ -106,12 +110,8 @@ pub(super) fn crossed_bodies(
     }
 }
 
-/// Smallest distance (m) of a vertex from an obstacle, where the obstacles are at the time of the state.
+/// Smallest distance (m) of a vertex from a body, where the bodies are at the time of the state.
 pub(super) fn min_clearance(scene: &Scene, state: &State) -> Option<Real> {
-    let obstacles = scene.touch.iter().flat_map(ContactSetup::obstacles);
-    let clearances = obstacles.flat_map(|obstacle| {
-        let clearance = |&x: &Vec3| obstacle.signed_distance(x, state.time).value;
-        state.positions.iter().map(clearance)
-    });
-    clearances.reduce(Real::min)
+    let touch = scene.touch.as_ref()?;
+    touch.min_clearance(&state.positions, state.time)
 }

@@ -1,12 +1,16 @@
 //! What the cloth of a scene can touch, and how it is kept from going through it.
 
+mod surfaces;
+
+pub use surfaces::BodySurface;
+
 use crate::error::BenchError;
 use crate::settings::{Choice, Range::*, Settings, Table};
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
-use cloth_collide::{BodyProbe, BroadPhaseKind, SeparationProbe};
-use cloth_core::math::{Real, Vec3};
+use cloth_collide::{BroadPhaseKind, SeparationProbe};
+use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 
 crate::settings! {
@@ -60,6 +64,8 @@ pub(super) enum Body {
         free: Option<Box<RigidBody>>,
         /// Whether its signed distance at the vertices of the cloth is all there is to it.
         is_flat: bool,
+        /// Whether its signed distance is looked up in a grid.
+        is_sampled: bool,
         /// Coefficient of friction of its own (dimensionless).
         friction: Option<Real>,
     },
@@ -111,6 +117,10 @@ pub struct ContactSetup {
     /// Of these on their contact (rad/s); 0 without any.
     highest_frequency: Real,
     animated: Vec<(TriMesh, AnimatedMesh, Real)>,
+    /// Numbers of the obstacles, and of the animated surfaces behind them, in the scene, from 0.
+    numbers: Vec<usize>,
+    /// Numbers in the scene, from 0, of obstacles whose signed distance is looked up in a grid.
+    sampled: Vec<usize>,
     /// Whether the common coefficient of friction is that of anything.
     is_common_friction_felt: bool,
     pub(super) pieces: Option<PieceContact>,
@@ -127,26 +137,32 @@ impl ContactSetup {
         let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         let (mut obstacles, mut frictions) = (Vec::new(), Vec::new());
+        let mut sampled = Vec::new();
+        let (mut rigid_numbers, mut animated_numbers) = (Vec::new(), Vec::new());
         let mut is_common_friction_felt = *own.collides;
         let mut friction_of = |own: Option<Real>| {
             is_common_friction_felt |= own.is_none();
             own.unwrap_or(friction)
         };
-        for body in bodies {
+        for (number, body) in bodies.into_iter().enumerate() {
             match body {
                 Body::Rigid {
                     obstacle,
                     surface,
                     free,
                     is_flat,
+                    is_sampled,
                     friction,
                 } => {
+                    sampled.extend(is_sampled.then_some(number));
                     frictions.push(friction_of(friction));
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
+                    rigid_numbers.push(number);
                     obstacles.push(obstacle);
                     shapes.push((surface, !is_flat));
                 }
                 Body::Animated(mesh, animation, friction) => {
+                    animated_numbers.push(number);
                     animated.push((mesh, animation, friction_of(friction)));
                 }
             }
@@ -190,6 +206,8 @@ impl ContactSetup {
             free: free_bodies,
             highest_frequency,
             animated,
+            sampled,
+            numbers: [rigid_numbers, animated_numbers].concat(),
             is_common_friction_felt,
             pieces: None,
         })
@@ -205,10 +223,20 @@ impl ContactSetup {
     }
 
     /// Whether there is nothing to touch, or nothing to be done about it.
-    pub(super) fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         let has_bodies = !self.shapes.is_empty() || !self.animated.is_empty();
         let alone = !self.self_collision && !has_bodies;
         alone || !self.is_on
+    }
+
+    /// Whether the cloth can touch itself, where contact is switched on.
+    pub(crate) fn touches_itself(&self) -> bool {
+        self.self_collision
+    }
+
+    /// Numbers in the scene, from 0, of obstacles whose signed distance is looked up in a grid.
+    pub(crate) fn sampled(&self) -> impl Iterator<Item = usize> + '_ {
+        self.sampled.iter().copied()
     }
 
     /// Whether what hits something leaves it with a given part of its speed.
@@ -310,6 +338,13 @@ impl ContactSetup {
         (dt * self.highest_frequency).ceil().clamp(1.0, MOST) as u32
     }
 
+    /// Numbers of the bodies in the scene, from 0: of the obstacles in their order, then of the animated surfaces, as
+    /// [`ContactForces`](cloth_collide::potential::ContactForces) has them.
+    #[must_use]
+    pub fn body_numbers(&self) -> &[usize] {
+        &self.numbers
+    }
+
     /// Distance to keep (m).
     pub(crate) fn thickness(&self) -> Real {
         self.thickness
@@ -337,59 +372,5 @@ impl ContactSetup {
     /// The obstacles where they start, and those that the cloth pushes on the path that they are on now.
     pub fn obstacles(&self) -> impl Iterator<Item = &Obstacle> + '_ {
         self.obstacles.iter()
-    }
-
-    /// Surfaces of the bodies, for pictures: their vertices (m) at a time (s), and their triangles.
-    pub(super) fn surfaces(
-        &self,
-        time: Real,
-    ) -> impl Iterator<Item = (Vec<Vec3>, &[[u32; 3]])> + '_ {
-        let both = self.obstacles().zip(&self.shapes);
-        let rigid = both.map(move |(obstacle, (shape, _))| {
-            let pose = obstacle.motion().pose_at(time);
-            let positions = shape.positions().iter().map(|&x| pose.to_world(x));
-            (positions.collect(), shape.triangles())
-        });
-        let animated = self.animated.iter().map(move |(shape, animation, _)| {
-            let mut positions = shape.positions().to_vec();
-            animation.place(time, &mut positions);
-            (positions, shape.triangles())
-        });
-        rigid.chain(animated)
-    }
-
-    /// What counts the triangles of the cloth `mesh` that go through bodies; nothing where no body has an edge.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for more triangles than fit.
-    pub fn probe(&self, mesh: &TriMesh) -> Result<Option<BodyProbe>, BenchError> {
-        let rigid = self.shapes.iter().filter(|shape| shape.1).map(|s| &s.0);
-        let bodies: Vec<&TriMesh> = rigid.chain(self.animated.iter().map(|a| &a.0)).collect();
-        if bodies.is_empty() {
-            return Ok(None);
-        }
-        let probe = BodyProbe::new(mesh, &bodies).map_err(BenchError::failed)?;
-        Ok(Some(probe))
-    }
-
-    /// Counts them where the cloth is at `x` (m) at `time` (s).
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for positions that are not finite.
-    pub fn count(
-        &self,
-        probe: &mut BodyProbe,
-        x: &[Vec3],
-        time: Real,
-    ) -> Result<usize, BenchError> {
-        let needed = self.shapes.iter().map(|s| s.1);
-        let needed = needed.chain(std::iter::repeat(true));
-        let places = self
-            .surfaces(time)
-            .zip(needed)
-            .filter(|(_, needed)| *needed);
-        let places: Vec<Vec<Vec3>> = places.map(|((x, _), _)| x).collect();
-        let bodies = places.iter().map(Vec::as_slice);
-        probe.count(x, bodies).map_err(BenchError::failed)
     }
 }

@@ -14,6 +14,7 @@ mod keys;
 mod link;
 mod material;
 mod mesh;
+mod natural_order;
 mod obstacles;
 mod pins;
 mod roughness;

@@ -1,7 +1,10 @@
 //! Exported runs, read back without the code that wrote them: every format holds the same motion.
 
+mod glb;
+
 use cloth_core::math::Vec3;
 use cloth_core::mesh::{TriMesh, io};
+use glb::Glb;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -170,101 +173,78 @@ fn vtk_holds_the_same_bits_and_the_times() {
     }
 }
 
-/// A GLB file, taken apart.
-struct Glb {
-    json: Value,
-    bytes: Vec<u8>,
-}
-
-impl Glb {
-    fn read(path: &Path) -> Self {
-        let file = std::fs::read(path).unwrap();
-        let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
-        assert_eq!(&file[..4], b"glTF");
-        assert_eq!([word(4), word(8)], [2, file.len()]);
-        assert_eq!(&file[16..20], b"JSON");
-        let end = 20 + word(12);
-        assert_eq!(&file[end + 4..end + 8], b"BIN\0");
-        assert_eq!(
-            [end % 4, word(end), end + 8 + word(end)],
-            [0, file.len() - end - 8, file.len()]
-        );
-        let json: Value = serde_json::from_slice(&file[20..end]).unwrap();
-        let bytes = file[end + 8..].to_vec();
-        assert_eq!(json["buffers"][0]["byteLength"], bytes.len());
-        Self { json, bytes }
-    }
-
-    /// The 32-bit words of an accessor, whose bounds are checked.
-    fn words(&self, accessor: &Value) -> Vec<[u8; 4]> {
-        let accessor = &self.json["accessors"][accessor.as_u64().unwrap() as usize];
-        let number = |value: &Value| value.as_u64().unwrap_or(0) as usize;
-        let view = &self.json["bufferViews"][number(&accessor["bufferView"])];
-        let parts = match accessor["type"].as_str().unwrap() {
-            "SCALAR" => 1,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            other => panic!("{other}"),
-        };
-        let from = number(&accessor["byteOffset"]);
-        let length = 4 * parts * number(&accessor["count"]);
-        assert!(from + length <= number(&view["byteLength"]));
-        let at = number(&view["byteOffset"]) + from;
-        assert_eq!(at % 4, 0);
-        let words = self.bytes[at..at + length].as_chunks().0.to_vec();
-        if let Some(least) = accessor["min"].as_array() {
-            for (axis, least) in least.iter().enumerate() {
-                let values = words
-                    .iter()
-                    .skip(axis)
-                    .step_by(parts)
-                    .map(|w| f32::from_le_bytes(*w));
-                let (low, high) =
-                    values.fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(v), b.max(v)));
-                assert_eq!(least.as_f64().unwrap() as f32, low);
-                assert_eq!(accessor["max"][axis].as_f64().unwrap() as f32, high);
-            }
+/// A sheet that rests on a slope: forces on its vertices are the same bits in both formats, carry its weight, and leave
+/// the mesh as it is.
+#[test]
+fn vtk_and_ply_hold_the_same_forces() {
+    let folder_of = |name: &str| {
+        let path = folder(name);
+        std::fs::create_dir_all(&path).unwrap();
+        path
+    };
+    let [vtk, ply] = ["forces-vtk", "forces-ply"].map(folder_of);
+    let scene = ply.with_extension("toml");
+    let text = "dt = 0.01\ngravity = [1, 0, -9.81]\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\n\
+                translate = [0, 0, 0.00199804]\n[[obstacle]]\nshape = \"plane\"\n";
+    std::fs::write(&scene, text).unwrap();
+    let table = ply.with_extension("csv");
+    let run = format!(
+        "run {} --method xpbd --steps 40 --forces {}",
+        scene.display(),
+        table.display()
+    );
+    export(&run, "vtk", &vtk);
+    export(&run, "ply", &ply);
+    let of_vtk = std::fs::read(vtk.join("cloth_00040.vtp")).unwrap();
+    let of_ply = std::fs::read(ply.join("00040.ply")).unwrap();
+    let end = b"end_header\n";
+    let head = of_ply.windows(end.len()).position(|w| w == end).unwrap();
+    let (head, body) = of_ply.split_at(head + end.len());
+    let head = std::str::from_utf8(head).unwrap();
+    let names = head
+        .lines()
+        .filter_map(|l| l.strip_prefix("property double "));
+    let names: Vec<&str> = names.collect();
+    let numbers: Vec<f64> = body[..9 * 8 * names.len()]
+        .as_chunks()
+        .0
+        .iter()
+        .map(|number| f64::from_le_bytes(*number))
+        .collect();
+    let column = |name: &str| {
+        let at = names.iter().position(|n| *n == name).unwrap();
+        numbers.iter().skip(at).step_by(names.len()).copied()
+    };
+    let mut sums = [[0.0; 3]; 2];
+    for (what, sums) in ["pressure", "friction"].into_iter().zip(&mut sums) {
+        let expected = appended(&of_vtk, what).into_iter().map(f64::from_le_bytes);
+        let expected: Vec<f64> = expected.collect();
+        for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+            let found = column(&format!("{what}_{name}"));
+            assert!(
+                found
+                    .clone()
+                    .eq(expected.iter().skip(axis).step_by(3).copied())
+            );
+            sums[axis] = found.sum();
         }
-        words
     }
-
-    fn floats(&self, accessor: &Value) -> Vec<f64> {
-        let words = self.words(accessor).into_iter();
-        words.map(|w| f64::from(f32::from_le_bytes(w))).collect()
+    let mass = 0.2;
+    for (found, expected) in sums
+        .as_flattened()
+        .iter()
+        .zip([[0.0, 0.0, 9.81 * mass], [-mass, 0.0, 0.0]].as_flattened())
+    {
+        assert!((found - expected).abs() < 1e-4, "{sums:?}");
     }
-
-    fn vectors(&self, accessor: &Value) -> Vec<Vec3> {
-        self.floats(accessor)
-            .chunks(3)
-            .map(Vec3::from_column_slice)
-            .collect()
-    }
-
-    /// Sampler of the animation for a path of a node: times and values.
-    fn animation(&self, node: usize, path: &str) -> Option<[Vec<f64>; 2]> {
-        let animation = &self.json["animations"][0];
-        let channel = animation["channels"].as_array()?.iter().find(|channel| {
-            channel["target"]["node"] == node && channel["target"]["path"] == path
-        })?;
-        let sampler = &animation["samplers"][channel["sampler"].as_u64().unwrap() as usize];
-        assert_eq!(sampler["interpolation"], "LINEAR");
-        Some([
-            self.floats(&sampler["input"]),
-            self.floats(&sampler["output"]),
-        ])
-    }
-
-    fn mesh_of(&self, node: usize) -> &Value {
-        let mesh = self.json["nodes"][node]["mesh"].as_u64().unwrap();
-        &self.json["meshes"][mesh as usize]
-    }
-
-    fn corners(&self, primitive: &Value) -> Vec<u32> {
-        self.words(&primitive["indices"])
-            .into_iter()
-            .map(u32::from_le_bytes)
-            .collect()
-    }
+    // A reader of meshes finds the mesh; the start has no forces.
+    let read = |name: &str| io::read(&ply.join(name)).unwrap();
+    assert_eq!(read("00040.ply").triangles(), read("00000.ply").triangles());
+    assert!(read("00040.ply").positions().iter().all(|x| x.z > 1e-3));
+    assert!(
+        !String::from_utf8_lossy(&std::fs::read(ply.join("00000.ply")).unwrap())
+            .contains("pressure")
+    );
 }
 
 #[test]
@@ -326,6 +306,95 @@ fn gltf_plays_the_same_motion() {
                 (x - expected).norm() < 1e-6,
                 "frame {frame}: {x} {expected}"
             );
+        }
+    }
+}
+
+/// A triangle that a scene file moves and bends: vertex v is at `shapes()[k][v]` (m) at the time 0.05 s times k.
+fn shapes() -> [[Vec3; 3]; 3] {
+    [
+        [[0.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 1.0, -1.0]],
+        [[0.25, 0.0, -1.0], [1.0, 0.5, -1.0], [0.0, 1.0, -2.0]],
+        [[0.75, 0.0, -1.0], [1.0, 0.5, -1.5], [0.0, 2.0, -2.0]],
+    ]
+    .map(|shape| shape.map(Vec3::from))
+}
+
+/// A scene file of a sheet far above an animation, which stands before a box that turns.
+fn animation() -> PathBuf {
+    let folder = folder("animation");
+    std::fs::create_dir_all(folder.join("shapes")).unwrap();
+    for (k, shape) in shapes().iter().enumerate() {
+        let text = cloth_core::mesh::obj::format(shape, &[[0, 1, 2]]);
+        std::fs::write(folder.join(format!("shapes/{k}.obj")), text).unwrap();
+    }
+    let path = folder.join("scene.toml");
+    let text = "dt = 0.02\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [0, 0, 5]\n\
+                [[obstacle]]\nshape = \"animation\"\nfolder = \"shapes\"\ninterval = 0.05\nposition = [0, 0, 0.5]\n\
+                [[obstacle]]\nshape = \"box\"\nsize = [1, 2, 3]\nposition = [9, 0, 0]\nangular_velocity = [0, 0, 1]\n";
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// Where vertex v of the animation is at a time (s).
+fn interpolated(time: f64, v: usize) -> Vec3 {
+    let shapes = shapes().map(|shape| shape[v] + Vec3::z() * 0.5);
+    let [a, b, part] = match time / 0.05 {
+        place if place < 1.0 => [shapes[0], shapes[1], Vec3::repeat(place)],
+        place if place < 2.0 => [shapes[1], shapes[2], Vec3::repeat(place - 1.0)],
+        _ => [shapes[2], shapes[2], Vec3::zeros()],
+    };
+    a + (b - a).component_mul(&part)
+}
+
+/// Six steps of 0.02 s: the animation is between its shapes and, in the end, beyond the last.
+#[test]
+fn an_animation_is_exported_where_it_is() {
+    let run = format!("run {} --method xpbd --steps 6", animation().display());
+    for format in ["obj", "ply", "vtk"] {
+        let to = folder(&format!("animation-{format}"));
+        let told = export(&run, format, &to);
+        let per_frame = 3 * 7;
+        assert_eq!(told["export_files"], per_frame + i32::from(format == "vtk"));
+        for step in 0..=6 {
+            let name = format!("obstacle1_{step:05}");
+            let positions = if format == "vtk" {
+                let bytes = std::fs::read(to.join(format!("{name}.vtp"))).unwrap();
+                let numbers = appended(&bytes, "position").into_iter();
+                let numbers: Vec<f64> = numbers.map(f64::from_le_bytes).collect();
+                numbers.chunks(3).map(Vec3::from_column_slice).collect()
+            } else {
+                let read = io::read(&to.join(format!("{name}.{format}"))).unwrap();
+                assert_eq!(read.triangles(), [[0, 1, 2]]);
+                read.positions().to_vec()
+            };
+            assert_eq!(positions.len(), 3);
+            for (v, x) in positions.iter().enumerate() {
+                let expected = interpolated(0.02 * f64::from(step), v);
+                assert!((x - expected).norm() < 1e-14, "{name}: {x} {expected}");
+            }
+        }
+    }
+    let to = folder("animation-gltf");
+    export(&run, "gltf", &to);
+    let glb = Glb::read(&to.join("run.glb"));
+    assert_eq!(glb.json["nodes"][2]["name"], "obstacle1");
+    assert_eq!(glb.json["nodes"][3]["name"], "obstacle2");
+    assert!(glb.animation(3, "rotation").is_some());
+    let primitive = &glb.mesh_of(2)["primitives"][0];
+    assert_eq!(primitive["material"], 1);
+    assert_eq!(glb.corners(primitive), [0, 1, 2]);
+    assert_eq!(glb.mesh_of(2)["weights"].as_array().unwrap().len(), 6);
+    let start = glb.vectors(&primitive["attributes"]["POSITION"]);
+    let targets = primitive["targets"].as_array().unwrap().iter();
+    let targets: Vec<_> = targets.map(|t| glb.vectors(&t["POSITION"])).collect();
+    let [times, weights] = glb.animation(2, "weights").unwrap();
+    for (time, weights) in times.iter().zip(weights.chunks(6)) {
+        for v in 0..3 {
+            let moved = weights.iter().zip(&targets).map(|(w, t)| t[v] * *w);
+            let x = start[v] + moved.sum::<Vec3>();
+            let expected = interpolated(*time, v);
+            assert!((x - expected).norm() < 1e-6, "{time} s: {x} {expected}");
         }
     }
 }

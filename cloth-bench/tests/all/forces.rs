@@ -1,6 +1,7 @@
 //! Forces of contact beside what they do: they change the momentum of the cloth, carry its weight, and act on bodies
 //! the other way round.
 
+use crate::animations::shapes;
 use crate::program::program;
 use crate::rigid_bodies;
 use crate::scene_text::{scene, written};
@@ -111,6 +112,58 @@ fn slope_carries_the_weight_and_friction_holds_it() {
             "{method}: torque {} {torque}",
             body.torque
         );
+    }
+}
+
+/// On a slope of 0.2 rad, with tan 0.2 = 0.203, a sheet with a friction of 0.1 slides: it presses on the body under it
+/// with m g cos θ, and drags it downhill with a tenth of that. The body is a plane, a box whose edges take part, or an
+/// animation.
+#[test]
+fn sliding_sheet_drags_the_body_by_its_friction_times_the_pressure() {
+    const FRICTION: f64 = 0.1;
+    let angle: f64 = 0.2;
+    let z = 2e-3 - 0.2 * 9.81 * angle.cos() / 1e6;
+    let floor = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]];
+    shapes("incline", &[("0.obj", floor)]);
+    for (body, keys) in [
+        ("plane", ""),
+        ("box", "size = [2, 2, 0.2]\nposition = [0, 0, -0.1]\n"),
+        ("animation", "folder = \"incline\"\n"),
+    ] {
+        let text = format!(
+            "dt = 0.01\ngravity = [{}, 0, {}]\n{SHEET}translate = [-0.2, -0.2, {z:?}]\n[contact]\n\
+             friction = {FRICTION}\n[[obstacle]]\nshape = \"{body}\"\n{keys}",
+            9.81 * angle.sin(),
+            -9.81 * angle.cos(),
+        );
+        let scene = scene(&format!("incline-{body}"), &text);
+        let mass: f64 = scene.model.particles.mass().iter().sum();
+        let pressure = mass * 9.81 * angle.cos();
+        for (method, setting, bound) in [
+            ("implicit-euler", "tolerance=1e-9", 1e-10),
+            ("xpbd", "substeps=20", 1e-11),
+            ("pd", "velocity_tolerance=1e-5 most_iterations=3000", 3e-5),
+            ("symplectic-euler", "", 1e-11),
+        ] {
+            let (mut worst, mut sums): (f64, f64) = (0.0, 0.0);
+            watch(&scene, method, setting, 30, |moment| {
+                let on_body = moment.forces.unwrap().bodies[0];
+                let (normal, friction) = (on_body.normal(), on_body.friction);
+                sums = sums.max((normal + friction - on_body.force).norm());
+                if moment.step > 10 {
+                    let off = [
+                        normal + Vec3::z() * pressure,
+                        friction - Vec3::x() * (FRICTION * pressure),
+                        friction - Vec3::x() * (FRICTION * normal.norm()),
+                    ];
+                    let off = off.iter().map(|off| off.norm()).fold(0.0, f64::max);
+                    worst = worst.max(off / pressure);
+                }
+            });
+            println!("{body}, {method}: {worst:e}, {sums:e}");
+            assert!(worst < bound, "{body}, {method}: {worst}");
+            assert!(sums < 1e-14, "{body}, {method}: {sums}");
+        }
     }
 }
 
@@ -232,9 +285,13 @@ fn friction_of_nothing_is_refused() {
 #[test]
 fn program_writes_the_forces_on_bodies() {
     let text = format!(
-        "dt = 0.01\n{SHEET}translate = [0, 0, 0.0019]\n[[obstacle]]\nshape = \"plane\"\n\
-         [[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nposition = [0, 0, 5]\n"
+        "dt = 0.01\n{SHEET}translate = [0, 0, 0.0019]\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\n\
+         position = [0, 0, 5]\n[[obstacle]]\nshape = \"animation\"\nfolder = \"carrier\"\n\
+         [[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -5]\n"
     );
+    // A floor that is an animation, between a ball and a plane that touch nothing.
+    let floor = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]];
+    shapes("carrier", &[("0.obj", floor)]);
     let path = written("table", &text);
     let table = path.with_extension("csv");
     let run = |scene: &str, more: &[&str]| {
@@ -253,16 +310,21 @@ fn program_writes_the_forces_on_bodies() {
         .skip(1)
         .map(|line| line.split(',').map(|n| n.parse().unwrap()).collect())
         .collect();
-    assert_eq!(rows.len(), 80);
-    let [floor, ball] = [&rows[78], &rows[79]];
-    assert_eq!((floor[0], floor[2], ball[2]), (40.0, 1.0, 2.0));
+    assert_eq!(rows.len(), 120);
+    let [ball, floor, plane] = [&rows[117], &rows[118], &rows[119]];
+    assert_eq!([ball, floor, plane].map(|row| row[2]), [1.0, 2.0, 3.0]);
+    assert_eq!((ball[0], ball.len()), (40.0, 15));
     let weight = 0.2 * 0.16 * 9.81;
     assert!(
         (floor[5] + weight).abs() < 1e-3 * weight,
         "{} {weight}",
         floor[5]
     );
-    assert_eq!(ball[3..], [0.0; 6]);
+    for axis in 3..6 {
+        let off = floor[axis + 6] + floor[axis + 9] - floor[axis];
+        assert!(off.abs() < 1e-15, "{floor:?}");
+    }
+    assert_eq!([&ball[3..], &plane[3..]], [[0.0; 12]; 2]);
     let (code, said) = run("hang", &[]);
     assert_eq!(code, Some(2), "{said}");
     assert!(said.contains("nothing to touch"), "{said}");

@@ -1,6 +1,7 @@
 //! All tests of this crate in one program, which links once; a file is a subject, and a filter picks it:
 //! `cargo test --release -p cloth-bench --test all laws::`.
 
+mod animations;
 mod bending_laws;
 mod broad_phase;
 mod ccd;
@@ -8,6 +9,8 @@ mod changes;
 mod cli;
 mod commands;
 mod concave_edges;
+mod contact_time;
+mod crossings;
 mod crumpled;
 mod energy;
 mod error;

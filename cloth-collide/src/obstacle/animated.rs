@@ -48,6 +48,12 @@ impl AnimatedMesh {
         self.shapes[0].len()
     }
 
+    /// Number of shapes.
+    #[must_use]
+    pub fn shape_count(&self) -> usize {
+        self.shapes.len()
+    }
+
     /// Writes where the vertices are at `time` (s) to `out` (m), as many as there are.
     pub fn place(&self, time: Real, out: &mut [Vec3]) {
         let last = self.shapes.len() - 1;

@@ -25,8 +25,10 @@ pub struct ContactForces {
 /// What the cloth does to a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyForce {
-    /// Force (N).
+    /// Force (N): pressure, friction, and what stops a free body.
     pub force: Vec3,
+    /// The friction (N) in it.
+    pub friction: Vec3,
     /// Torque (N·m) about the position of an obstacle, or the origin for an animated surface.
     pub torque: Vec3,
 }
@@ -95,7 +97,7 @@ impl Ledger {
     ) {
         self.impulses.normal[vertex] += normal;
         self.impulses.friction[vertex] += friction;
-        self.impulses.bodies[number].add(-(normal + friction), arm);
+        self.impulses.bodies[number].add([-normal, -friction], arm);
     }
 
     /// Impulses (N·s, N·m·s) of what stops free bodies.
@@ -113,9 +115,9 @@ impl Ledger {
         for (v, body) in (near.cloth..).zip(near.bodies()) {
             let obstacle = obstacles.get(body);
             let position = obstacle.map_or(Vec3::zeros(), |(body, _)| body.motion().pose.position);
-            let impulse = impulses.normal[v] + impulses.friction[v];
-            if impulse != Vec3::zeros() {
-                impulses.bodies[body].add(impulse, x[v] - position);
+            let parts = [impulses.normal[v], impulses.friction[v]];
+            if parts != [Vec3::zeros(); 2] {
+                impulses.bodies[body].add(parts, x[v] - position);
             }
         }
         let per_time = 1.0 / self.time;
@@ -146,14 +148,24 @@ impl ContactForces {
         }
         for (own, other) in self.bodies.iter_mut().zip(&other.bodies) {
             change(&mut own.force, other.force);
+            change(&mut own.friction, other.friction);
             change(&mut own.torque, other.torque);
         }
     }
 }
 
 impl BodyForce {
-    fn add(&mut self, force: Vec3, arm: Vec3) {
+    /// What is not friction (N): along the normals of contact, and what stops a free body.
+    #[must_use]
+    pub fn normal(&self) -> Vec3 {
+        self.force - self.friction
+    }
+
+    /// Adds pressure and friction.
+    fn add(&mut self, [normal, friction]: [Vec3; 2], arm: Vec3) {
+        let force = normal + friction;
         self.force += force;
+        self.friction += friction;
         self.torque += arm.cross(&force);
     }
 }

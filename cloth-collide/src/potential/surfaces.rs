@@ -199,6 +199,15 @@ impl PotentialContacts {
         PotentialBuilder::new(mesh)
     }
 
+    /// What [`ContactSource::potential`] gives, to be read.
+    #[must_use]
+    pub fn as_potential(&self) -> &dyn ContactPotential {
+        match self.surfaces.list.is_empty() {
+            true => &self.contacts,
+            false => self,
+        }
+    }
+
     /// What the last step took, of a method that projects positions.
     #[must_use]
     pub fn constraint_report(&self) -> ConstraintReport {

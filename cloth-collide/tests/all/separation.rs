@@ -1,8 +1,10 @@
 //! The measured separation, against all pairs.
 
+use crate::random::Random;
 use crate::shapes::{deformed, sheet};
 use cloth_collide::{
-    CollideError, Separation, SeparationProbe, edge_edge, point_triangle, segment_meets_triangle,
+    CollideError, Separation, SeparationProbe, distance_from_surface, edge_edge, point_triangle,
+    segment_meets_triangle,
 };
 use cloth_core::math::{Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -321,4 +323,27 @@ fn diverged_positions_are_refused_and_the_probe_stays_usable() {
         probe.measure(&positions).unwrap(),
         measure(&mesh, &positions)
     );
+}
+
+#[test]
+fn distance_from_a_surface_is_that_of_all_pairs() {
+    let (mut random, mesh) = (Random::new(7), sheet(9));
+    for (name, surface) in deformed(&mesh) {
+        let at = random.point(3.0);
+        let points: Vec<Vec3> = (0..40).map(|_| at + random.point(0.5)).collect();
+        let corners = mesh.triangles().iter().map(|&t| gather(&surface, t));
+        let distances = corners.flat_map(|triangle| {
+            let distance = move |&point: &Vec3| point_triangle(point, triangle).distance();
+            points.iter().map(distance)
+        });
+        let expected = distances.reduce(f64::min);
+        let found = distance_from_surface(&points, &surface, mesh.triangles());
+        let off = found.unwrap() - expected.unwrap();
+        assert!(off.abs() < 1e-15, "{name}: {off:e}");
+    }
+    let corners = [Vec3::zeros(), Vec3::x(), Vec3::y()];
+    let far = [Vec3::repeat(f64::NAN), Vec3::repeat(f64::INFINITY)];
+    assert_eq!(distance_from_surface(&far, &corners, &[[0, 1, 2]]), None);
+    assert_eq!(distance_from_surface(&[], &corners, &[[0, 1, 2]]), None);
+    assert_eq!(distance_from_surface(&corners, &[], &[]), None);
 }

@@ -270,25 +270,60 @@ pub fn write(
 /// As text every number has the fewest digits that give the same bits when read again.
 #[must_use]
 pub fn format(positions: &[Vec3], triangles: &[[u32; 3]], encoding: Encoding) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(256 + 64 * positions.len() + 24 * triangles.len());
+    format_with(positions, &[], triangles, encoding)
+}
+
+/// The same with more vectors at the vertices, in double precision: one called `force` becomes the columns `force_x`,
+/// `force_y` and `force_z` behind the positions. [`parse`] skips them.
+///
+/// # Panics
+/// If there are not as many vectors as positions.
+#[must_use]
+pub fn format_with(
+    positions: &[Vec3],
+    vectors: &[(&str, &[Vec3])],
+    triangles: &[[u32; 3]],
+    encoding: Encoding,
+) -> Vec<u8> {
+    let columns = 1 + vectors.len();
+    let mut bytes = Vec::with_capacity(256 + 64 * columns * positions.len() + 24 * triangles.len());
     // Writing to a vector cannot fail.
     let _ = write!(
         bytes,
         "ply\nformat {} 1.0\ncomment positions in m\nelement vertex {}\nproperty double x\nproperty double y\n\
-         property double z\nelement face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+         property double z\n",
         encoding.name(),
         positions.len(),
+    );
+    for (name, values) in vectors {
+        assert_eq!(values.len(), positions.len(), "one vector {name} a vertex");
+        for axis in ["x", "y", "z"] {
+            let _ = writeln!(bytes, "property double {name}_{axis}");
+        }
+    }
+    let _ = write!(
+        bytes,
+        "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
         triangles.len()
     );
-    for p in positions {
-        match encoding {
-            Encoding::Ascii => {
-                let _ = writeln!(bytes, "{:?} {:?} {:?}", p.x, p.y, p.z);
+    for (v, position) in positions.iter().enumerate() {
+        let others = vectors.iter().map(|(_, values)| &values[v]);
+        for (column, vector) in std::iter::once(position).chain(others).enumerate() {
+            match encoding {
+                Encoding::Ascii => {
+                    let space = if column > 0 { " " } else { "" };
+                    let _ = write!(bytes, "{space}{:?} {:?} {:?}", vector.x, vector.y, vector.z);
+                }
+                Encoding::BinaryLittleEndian => {
+                    vector.iter().for_each(|c| bytes.extend(c.to_le_bytes()));
+                }
+                Encoding::BinaryBigEndian => {
+                    vector.iter().for_each(|c| bytes.extend(c.to_be_bytes()));
+                }
             }
-            Encoding::BinaryLittleEndian => {
-                p.iter().for_each(|c| bytes.extend(c.to_le_bytes()));
-            }
-            Encoding::BinaryBigEndian => p.iter().for_each(|c| bytes.extend(c.to_be_bytes())),
+        }
+        if encoding == Encoding::Ascii {
+            bytes.push(b'\n');
         }
     }
     for t in triangles {

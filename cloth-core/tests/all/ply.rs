@@ -406,3 +406,28 @@ proptest! {
         prop_assert_eq!(read.collect::<Vec<_>>(), bits);
     }
 }
+
+#[test]
+fn more_vectors_are_columns_that_a_reader_of_meshes_skips() {
+    let positions = [[0.0, 0.0, 0.5], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vec3::from);
+    let force = [[1.5, -2.0, 1e-300], [0.1, 0.2, 0.3], [0.0; 3]].map(Vec3::from);
+    let bytes =
+        |encoding| ply::format_with(&positions, &[("force", &force)], &[[0, 1, 2]], encoding);
+    let text = String::from_utf8(bytes(Encoding::Ascii)).unwrap();
+    assert!(
+        text.contains(
+            "property double z\nproperty double force_x\nproperty double force_y\nproperty double force_z\nelement face 1\n"
+        ),
+        "{text}"
+    );
+    assert!(text.contains("end_header\n0.0 0.0 0.5 1.5 -2.0 1e-300\n1.0 0.0 0.0 0.1 0.2 0.3\n"));
+    for encoding in [
+        Encoding::Ascii,
+        Encoding::BinaryLittleEndian,
+        Encoding::BinaryBigEndian,
+    ] {
+        let read = ply::parse(&bytes(encoding)).unwrap();
+        assert_eq!(read.positions(), positions);
+        assert_eq!(read.triangles(), [[0, 1, 2]]);
+    }
+}

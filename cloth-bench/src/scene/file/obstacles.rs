@@ -3,6 +3,7 @@
 use super::document::Section;
 use super::keys::{self, Shape, Source};
 use super::mesh;
+use super::natural_order::natural_key;
 use crate::error::BenchError;
 use crate::scene::contact::{Body, splits};
 use crate::scene::touching;
@@ -33,6 +34,7 @@ pub(super) fn body(
         obstacle,
         surface,
         free: free.map(Box::new),
+        is_sampled: own.sampled.is_some(),
         is_flat: *own.shape == Some(Shape::Plane),
         friction: *own.friction,
     })
@@ -63,7 +65,7 @@ fn animated(
             files.push(path);
         }
     }
-    files.sort();
+    files.sort_by_cached_key(|file| natural_key(file));
     let pose = motion(own).pose;
     let mut first: Option<TriMesh> = None;
     let mut shapes = Vec::new();

@@ -1,0 +1,132 @@
+//! The bodies of a scene as triangles, wherever they are at a time.
+
+use super::ContactSetup;
+use crate::error::BenchError;
+use cloth_collide::obstacle::Pose;
+use cloth_collide::{BodyProbe, distance_from_surface};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+
+/// The surface of a body at a time.
+#[derive(Clone, Debug)]
+pub struct BodySurface<'a> {
+    /// Number of the body in the scene, from 0: that of its `[[obstacle]]` in a scene file.
+    pub number: usize,
+    /// Vertices (m).
+    pub positions: Vec<Vec3>,
+    /// Its triangles, in these numbers.
+    pub triangles: &'a [[u32; 3]],
+    /// Where a rigid body is; none of a surface that changes its shape.
+    pub pose: Option<Pose>,
+    /// Whether it never moves.
+    pub is_still: bool,
+}
+
+impl BodySurface<'_> {
+    /// `obstacle1`, `obstacle2`, …
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("obstacle{}", self.number + 1)
+    }
+}
+
+impl ContactSetup {
+    /// Surfaces of all bodies at a time (s), in the order of the scene.
+    #[must_use]
+    pub fn body_surfaces(&self, time: Real) -> Vec<BodySurface<'_>> {
+        let rigid = self.obstacles().enumerate().map(|(index, obstacle)| {
+            let motion = obstacle.motion();
+            let is_at_rest =
+                motion.velocity == Vec3::zeros() && motion.angular_velocity == Vec3::zeros();
+            (
+                Some(motion.pose_at(time)),
+                is_at_rest && !self.is_free(index),
+            )
+        });
+        let animated = self.animated.iter();
+        let animated = animated.map(|(_, animation, _)| (None, animation.shape_count() == 1));
+        let places = rigid.chain(animated).zip(self.surfaces(time));
+        let bodies = places.zip(&self.numbers);
+        let mut bodies: Vec<_> = bodies
+            .map(
+                |(((pose, is_still), (positions, triangles)), &number)| BodySurface {
+                    number,
+                    positions,
+                    triangles,
+                    pose,
+                    is_still,
+                },
+            )
+            .collect();
+        bodies.sort_by_key(|body| body.number);
+        bodies
+    }
+
+    /// Surfaces of the bodies, the rigid ones first: their vertices (m) at a time (s), and their triangles.
+    pub(in crate::scene) fn surfaces(
+        &self,
+        time: Real,
+    ) -> impl Iterator<Item = (Vec<Vec3>, &[[u32; 3]])> + '_ {
+        let both = self.obstacles().zip(&self.shapes);
+        let rigid = both.map(move |(obstacle, (shape, _))| {
+            let pose = obstacle.motion().pose_at(time);
+            let positions = shape.positions().iter().map(|&x| pose.to_world(x));
+            (positions.collect(), shape.triangles())
+        });
+        let animated = self.animated.iter().map(move |(shape, animation, _)| {
+            let mut positions = shape.positions().to_vec();
+            animation.place(time, &mut positions);
+            (positions, shape.triangles())
+        });
+        rigid.chain(animated)
+    }
+
+    /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without
+    /// a sign from the triangles of an animated one. None where there are no bodies.
+    #[must_use]
+    pub fn min_clearance(&self, x: &[Vec3], time: Real) -> Option<Real> {
+        let rigid = self.obstacles().flat_map(|obstacle| {
+            let clearance = move |&x: &Vec3| obstacle.signed_distance(x, time).value;
+            x.iter().map(clearance)
+        });
+        let animated = self.surfaces(time).skip(self.obstacles.len());
+        let animated = animated
+            .filter_map(|(positions, triangles)| distance_from_surface(x, &positions, triangles));
+        rigid.chain(animated).reduce(Real::min)
+    }
+
+    /// What counts the triangles of the cloth `mesh` that go through bodies; nothing where no body has an edge.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for more triangles than fit.
+    pub fn probe(&self, mesh: &TriMesh) -> Result<Option<BodyProbe>, BenchError> {
+        let rigid = self.shapes.iter().filter(|shape| shape.1).map(|s| &s.0);
+        let bodies: Vec<&TriMesh> = rigid.chain(self.animated.iter().map(|a| &a.0)).collect();
+        if bodies.is_empty() {
+            return Ok(None);
+        }
+        let probe = BodyProbe::new(mesh, &bodies).map_err(BenchError::failed)?;
+        Ok(Some(probe))
+    }
+
+    /// Counts them where the cloth is at `x` (m) at `time` (s).
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for positions that are not finite.
+    pub fn count(
+        &self,
+        probe: &mut BodyProbe,
+        x: &[Vec3],
+        time: Real,
+    ) -> Result<usize, BenchError> {
+        let needed = self.shapes.iter().map(|s| s.1);
+        let needed = needed.chain(std::iter::repeat(true));
+        let places = self
+            .surfaces(time)
+            .zip(needed)
+            .filter(|(_, needed)| *needed);
+        let places: Vec<Vec<Vec3>> = places.map(|((x, _), _)| x).collect();
+        let bodies = places.iter().map(Vec::as_slice);
+        probe.count(x, bodies).map_err(BenchError::failed)
+    }
+}
