@@ -54,6 +54,10 @@ pub struct Summary {
     pub contact_ms_median: Real,
     /// Parts of steps that ended with vertices held back, see [`ContactSource::held`].
     pub held_steps: u32,
+    /// Those after which cloth that bodies had pinched was passing through one of them.
+    pub pinched_steps: u32,
+    /// How many of its vertices were at most.
+    pub most_pinched: u32,
     /// Iterations, summed over the steps.
     pub iterations: u64,
     /// Iterations of the median step.
@@ -318,7 +322,7 @@ impl<'a> Course<'a> {
         let report = stepper.step(state, input).map_err(BenchError::failed)?;
         self.seconds += started.elapsed().as_secs_f64();
         if let Some(contacts) = &mut self.contacts {
-            contacts.held_steps += u32::from(contacts.source.held() > 0);
+            contacts.count();
         }
         if let Some(balance) = balance {
             let contacts = self.contacts.as_ref();
@@ -505,6 +509,8 @@ fn take_steps(
         ms_per_step_median: 1e3 * median(&mut seconds),
         contact_ms_median: 1e3 * median(&mut contact_seconds),
         held_steps: course.contacts.as_ref().map_or(0, |c| c.held_steps),
+        pinched_steps: course.contacts.as_ref().map_or(0, |c| c.pinched_steps),
+        most_pinched: course.contacts.as_ref().map_or(0, |c| c.most_pinched),
         iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
         iterations_per_step: median_count(&mut iterations),
         linear_iterations,

@@ -79,7 +79,7 @@
 //! the mesh a [`BuildError`](cloth_core::step::BuildError) that names the setting and its range. In a step,
 //! [`ContactError`](cloth_core::contact::ContactError) says what it cannot work with (the number of vertices, the step
 //! size, a mass, a position that is not finite) and what it cannot keep: a start that crosses already
-//! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no room (`Infeasible`, with the vertex).
+//! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no room (`Infeasible`, with the vertex, unless pinched cloth may pass).
 //! The caller keeps the state that it had. Outside of steps, slices of another length than the mesh has vertices panic
 //! where `# Panics` says so; nothing panics on values. A triangle that has lost its area in motion is a segment or a
 //! point for the distances, the continuous test and the exact one, and is kept apart like any other.

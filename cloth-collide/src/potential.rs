@@ -132,8 +132,17 @@
 //!
 //! Pairs of bodies, and of a body with prescribed cloth, are left out: a body that nothing pushes may pass through
 //! itself and others, and prescribed cloth may be inside of one. Prescribed parts of the cloth that cross each other
-//! are an error. Cloth that two bodies leave no room for is an error,
-//! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
+//! are an error.
+//!
+//! # Pinched cloth
+//!
+//! Cloth that two bodies leave no room for has no way that keeps the promise. That is an error,
+//! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible), and ends the step where it began; or,
+//! with [`PotentialBuilder::pinched_cloth_passes`], the vertices that have no way pass through one of the bodies, with
+//! their neighbours: through that of the highest number among those in their way. Everything else is kept apart as
+//! before. Once no triangle of the cloth crosses that body any more and none of these vertices is inside, contact with
+//! it is what it was. [`PotentialContacts::pinched`] counts them. Which of the bodies the cloth should obey no law
+//! says; where that matters, number them, or end the motion of the body before it closes on the cloth.
 //!
 //! # Bodies that the cloth pushes
 //!
@@ -292,6 +301,7 @@ mod near_pairs;
 mod obstacle_contact;
 mod pair;
 mod patches;
+mod pinched;
 mod quiet;
 mod rebound;
 mod report;

@@ -37,6 +37,7 @@ Of the numbers that come out:
   tangled_pairs        pairs of triangles that passed through each other before each step, of a scene with untangle=yes, until there were none
   unfinished_steps     steps that ended at their most iterations, short of the end that the method looks for
   held_steps           steps that ended with vertices held back by contact
+  pinched_steps        steps after which cloth that bodies had pinched was passing through one of them
   min_clearance        smallest distance of a vertex from an obstacle at the end, negative inside; from an animation without a sign (m)";
 
 /// Arguments of `run`.
@@ -290,6 +291,7 @@ fn simulate(
         ("ms_per_step_median", json!(summary.ms_per_step_median)),
         ("contact_ms_median", json!(summary.contact_ms_median)),
         ("held_steps", json!(summary.held_steps)),
+        ("pinched_steps", json!(summary.pinched_steps)),
         ("iterations", json!(summary.iterations)),
         ("iterations_per_step", json!(summary.iterations_per_step)),
         ("linear_iterations", json!(summary.linear_iterations)),
@@ -355,7 +357,11 @@ fn simulate(
         surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
-    let warnings = [summary.energy_warning(), summary.budget_warning()];
+    let warnings = [
+        summary.energy_warning(),
+        summary.budget_warning(),
+        summary.pinch_warning(),
+    ];
     let crossings = crossing_warnings(start, &summary, seen.as_ref())?;
     for warning in warnings.into_iter().flatten().chain(crossings) {
         eprintln!("warning: {warning}");

@@ -82,6 +82,19 @@ pub fn crossing_warnings(
     Ok(warnings.collect())
 }
 
+impl Summary {
+    /// A sentence about cloth that bodies have pinched, if they have.
+    #[must_use]
+    pub fn pinch_warning(&self) -> Option<String> {
+        let (pinched, steps, most) = (self.pinched_steps, self.steps, self.most_pinched);
+        (pinched > 0).then(|| {
+            format!(
+                "bodies have pinched the cloth: in {pinched} of {steps} steps up to {most} of its vertices passed through one of them, since they had no free way (pinched=refuse ends the run instead)"
+            )
+        })
+    }
+}
+
 impl Crossings<'_> {
     fn warning(&self, steps: u32) -> Option<String> {
         let (start, end) = (self.start, self.end);

@@ -17,6 +17,9 @@ pub(super) struct Timed {
     clock: Clock,
     /// Steps, of all so far, that ended with vertices held back.
     pub(super) held_steps: u32,
+    /// Those that ended with pinched cloth in a body, and how many of its vertices at most.
+    pub(super) pinched_steps: u32,
+    pub(super) most_pinched: u32,
 }
 
 impl ContactSource for Timed {
@@ -73,7 +76,17 @@ impl Timed {
             source,
             clock: Clock::default(),
             held_steps: 0,
+            pinched_steps: 0,
+            most_pinched: 0,
         }
+    }
+
+    /// Takes notice of how a step has ended.
+    pub(super) fn count(&mut self) {
+        self.held_steps += u32::from(self.source.held() > 0);
+        let pinched = self.source.contacts.pinched() as u32;
+        self.pinched_steps += u32::from(pinched > 0);
+        self.most_pinched = self.most_pinched.max(pinched);
     }
 
     /// Time (s) that contact has taken since the clock was set.

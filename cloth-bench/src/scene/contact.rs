@@ -34,6 +34,9 @@ crate::settings! {
         untangle: bool = "no",
             "whether the cloth may pass through itself at the start: yes (those pairs are let go, and pulled apart \
              during the run) or no (that is refused)";
+        pinched: Pinched = "pass",
+            "cloth to which bodies leave no free way: pass (through one of them, until it is out again) or refuse (the \
+             run ends there)";
         broad_phase: BroadPhaseKind = "hierarchy",
             "what finds near triangles: hierarchy (a tree of boxes), spatial-hash or morton-grid; the motion is the \
              same with each, bit for bit";
@@ -44,6 +47,12 @@ crate::choices! {
     /// How contact acts.
     #[derive(PartialEq)]
     pub(crate) enum Acts { Potential = "potential", None = "none" }
+}
+
+crate::choices! {
+    /// What becomes of cloth that bodies pinch.
+    #[derive(PartialEq)]
+    pub(crate) enum Pinched { Pass = "pass", Refuse = "refuse" }
 }
 
 impl Choice for BroadPhaseKind {
@@ -106,6 +115,7 @@ pub struct ContactSetup {
     friction: Real,
     restitution: Option<Real>,
     untangles: bool,
+    pinched_passes: bool,
     broad_phase: BroadPhaseKind,
     obstacles: Vec<Obstacle>,
     /// Their coefficients of friction (dimensionless).
@@ -182,6 +192,9 @@ impl ContactSetup {
             own.broad_phase
                 .refuse_without("triangles to touch (self=yes, or a body that is no plane)")?;
         }
+        if is_on && shapes.is_empty() && animated.is_empty() {
+            own.pinched.refuse_without("an obstacle")?;
+        }
         // contact=none switches contact off, whatever else is said of it.
         if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
             let what = "anything to touch (self=yes)";
@@ -199,6 +212,7 @@ impl ContactSetup {
             friction,
             restitution,
             untangles: *own.untangle,
+            pinched_passes: *own.pinched == Pinched::Pass,
             broad_phase: *own.broad_phase,
             obstacles,
             frictions,
@@ -273,6 +287,7 @@ impl ContactSetup {
             .stiffness(self.stiffness)
             .friction(self.friction)
             .broad_phase(self.broad_phase)
+            .pinched_cloth_passes(self.pinched_passes)
             .self_collision(self.self_collision)
             .sew(sewn);
         if let Some(pieces) = &self.pieces {

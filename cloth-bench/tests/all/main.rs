@@ -29,6 +29,7 @@ mod memory;
 mod mesh_spec;
 mod messages;
 mod names;
+mod pinched;
 #[path = "../support/program.rs"]
 mod program;
 mod readme;

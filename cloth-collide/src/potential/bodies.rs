@@ -119,7 +119,7 @@ impl Bodies {
     /// Hands `visit` each vertex without a row that can come as near as `reach` (m) to a body, with its index.
     fn each_near(
         &mut self,
-        Substep { bodies, step, .. }: &Substep<'_>,
+        Substep { near, bodies, step }: &Substep<'_>,
         to: &[Vec3],
         reach: Real,
         mut visit: impl FnMut(&mut Self, usize, &mut Row),
@@ -141,6 +141,9 @@ impl Bodies {
                 let left = (self.rooms[index] - reach) / stretch - of_body;
                 let is_far = left >= 0.0 && displacement <= left * left;
                 if is_far || self.has_row[index] || step.inverse_mass[vertex] == 0.0 {
+                    continue;
+                }
+                if near.pinched.passes(vertex, number) {
                     continue;
                 }
                 let at = body.signed_distance(*from, 0.0);

@@ -180,6 +180,15 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
+    /// Whether cloth to which bodies leave no free way passes through one of them until it is out again; see
+    /// [pinched cloth](super#pinched-cloth). Unless told so, such a step is
+    /// [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
+    #[must_use]
+    pub fn pinched_cloth_passes(mut self, passes: bool) -> Self {
+        self.own.pinched_passes = passes;
+        self
+    }
+
     /// Whether the cloth touches itself (it does unless told otherwise). If not, nothing is built for it.
     #[must_use]
     pub fn self_collision(mut self, self_collision: bool) -> Self {

@@ -10,7 +10,7 @@
 //! Sources: Provot 1997 (see the [crate](crate#references)) and Bridson et al. 2002 (see
 //! [`obstacle`](crate::obstacle#references)).
 
-use super::bodies::{Body, Substep};
+use super::bodies::Substep;
 use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
@@ -37,8 +37,10 @@ pub(super) struct LastResort {
     zones: Zones,
     /// Pairs that pass through each other, or come too near.
     hits: Vec<Hit>,
-    /// Vertices that get into a body, and what moves them out (m).
-    entering: Vec<(u32, Vec3)>,
+    /// Vertices that get into a body, its number, and what moves them out (m).
+    entering: Vec<([u32; 2], Vec3)>,
+    /// Where no way was found: vertices of the cloth, and bodies in their way.
+    pub(super) blocked: Vec<[u32; 2]>,
     /// Where vertices would go without zones (m), and their displacements.
     free: Vec<Vec3>,
     displacements: Vec<Vec3>,
@@ -116,7 +118,7 @@ impl LastResort {
             if joined == 0 && self.entering.is_empty() {
                 break;
             }
-            for &(vertex, out) in &self.entering {
+            for &([vertex, _], out) in &self.entering {
                 let zone = zones
                     .each()
                     .find(|zone| zone.iter().any(|m| m[1] == vertex));
@@ -166,7 +168,7 @@ impl LastResort {
         self.free.copy_from_slice(x);
         loop {
             let pairs = self.hits.iter().flat_map(|hit| hit.pair.vertices);
-            let entering = self.entering.iter().map(|(vertex, _)| *vertex);
+            let entering = self.entering.iter().map(|([vertex, _], _)| *vertex);
             // The vertices of bodies have the last numbers.
             let (mut first, mut is_stopped) = (u32::MAX, false);
             for vertex in pairs.chain(entering) {
@@ -178,6 +180,7 @@ impl LastResort {
                 }
             }
             if !is_stopped {
+                self.find_blocked(substep);
                 return Err(ContactError::Infeasible { vertex: first });
             }
             if self.look(substep, x)? {
@@ -190,6 +193,21 @@ impl LastResort {
             *v += (*x - free) / step.dt;
         }
         Ok(held)
+    }
+
+    /// Tells which bodies are in the way of what.
+    fn find_blocked(&mut self, substep: &Substep<'_>) {
+        let near = substep.near;
+        self.blocked.clear();
+        for hit in &self.hits {
+            let vertices = hit.pair.vertices;
+            let body = vertices.iter().find_map(|&v| near.body_of(v));
+            let own = vertices.iter().filter(|&&v| near.body_of(v).is_none());
+            let pairs = body.map(|body| own.map(move |&v| [v, body as u32]));
+            self.blocked.extend(pairs.into_iter().flatten());
+        }
+        let entering = self.entering.iter().map(|(pair, _)| *pair);
+        self.blocked.extend(entering);
     }
 
     /// Finds what is not free on the path to `x` (m). Returns whether all is.
@@ -215,9 +233,13 @@ impl LastResort {
         self.entering.clear();
         for (vertex, (&from, &to)) in (0u32..).zip(step.from.iter().zip(x)) {
             if step.inverse_mass[vertex as usize] != 0.0 {
-                let out = |(body, _): &Body| way_out(body, thickness, [from, to], step.dt);
-                let out = bodies.iter().filter_map(out);
-                self.entering.extend(out.map(|out| (vertex, out)));
+                for (number, (body, _)) in bodies.iter().enumerate() {
+                    if !near.pinched.passes(vertex as usize, number)
+                        && let Some(out) = way_out(body, thickness, [from, to], step.dt)
+                    {
+                        self.entering.push(([vertex, number as u32], out));
+                    }
+                }
             }
         }
         Ok(self.hits.is_empty() && self.entering.is_empty())

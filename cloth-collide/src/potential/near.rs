@@ -3,6 +3,7 @@
 use super::let_go::LetGo;
 use super::mollifier::Mollifier;
 use super::patches::NearPair;
+use super::pinched::Pinched;
 use super::sewn::Sewn;
 use crate::broad_phase::{BroadPhaseKind, TrianglePairs};
 use crate::ccd::QueryKind;
@@ -41,6 +42,8 @@ pub(super) struct Own {
     pub(super) sewn: Sewn,
     /// What finds patches and pairs that are near each other.
     pub(super) broad_phase: BroadPhaseKind,
+    /// Whether pinched cloth passes through bodies.
+    pub(super) pinched_passes: bool,
     /// Whether edges push from the thickness on, as vertices do, and vertices with all of their area.
     pub(super) keeps_all_apart: bool,
 }
@@ -66,6 +69,7 @@ pub(super) struct Near {
     resting: Vec<u32>,
     pub(super) is_resting: Vec<bool>,
     pub(super) let_go: LetGo,
+    pub(super) pinched: Pinched,
     /// None if the cloth cannot touch itself.
     triangle_pairs: Option<TrianglePairs>,
 }
@@ -99,6 +103,7 @@ impl Near {
             resting: Vec::new(),
             is_resting: vec![false; mesh.vertex_count()],
             let_go: LetGo::default(),
+            pinched: Pinched::default(),
             triangle_pairs: any.then(|| TrianglePairs::new(mesh)),
         }
     }
@@ -154,19 +159,66 @@ impl Near {
 
     /// How many pairs of triangles meet at `x` (m) that should not.
     pub(super) fn crossing(&mut self, x: &[Vec3]) -> Result<usize, CollideError> {
-        if let Some(pairs) = &mut self.triangle_pairs {
-            pairs.find(x)?;
-        }
-        let crosses = |pair: &&[u32; 2]| {
-            let [a, b] = pair.map(|t| self.incidence.triangles[t as usize]);
-            let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
-            self.patches_meet([a[0], b[0]])
-                && !self.pass(&[a[0], a[1], a[2], b[0], b[1], b[2]])
+        self.find_triangles(x)?;
+        let crosses = |[a, b]: &[[u32; 3]; 2]| {
+            let vertices = [a[0], a[1], a[2], b[0], b[1], b[2]];
+            let is_free = vertices.iter().any(|&v| self.is_free[v as usize]);
+            !self.pass(&vertices)
+                && !self.is_pinched(&vertices)
                 && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
-                && meet_unduly([a, b], x)
+                && meet_unduly([*a, *b], x)
         };
+        Ok(self.near_triangles().filter(crosses).count())
+    }
+
+    fn find_triangles(&mut self, x: &[Vec3]) -> Result<(), CollideError> {
+        self.triangle_pairs
+            .as_mut()
+            .map_or(Ok(()), |pairs| pairs.find(x))
+    }
+
+    /// Pairs of triangles that are near each other where they were found last, and could touch.
+    fn near_triangles(&self) -> impl Iterator<Item = [[u32; 3]; 2]> + '_ {
         let found = self.triangle_pairs.iter().flat_map(|pairs| &pairs.pairs);
-        Ok(found.filter(crosses).count())
+        let corners = found.map(|pair| pair.map(|t| self.incidence.triangles[t as usize]));
+        corners.filter(|[a, b]| self.patches_meet([a[0], b[0]]))
+    }
+
+    /// The bodies that something passes through, but no triangle at `x` (m): they need not let it pass any more. What
+    /// crosses the others beside it, where vertices have sunk in with it, passes from now on, too.
+    pub(super) fn unpinched(&mut self, x: &[Vec3]) -> Result<Vec<usize>, CollideError> {
+        let mut bodies = self.pinched.bodies();
+        if bodies.is_empty() {
+            return Ok(bodies);
+        }
+        self.find_triangles(x)?;
+        let mut crossing = Vec::new();
+        for [a, b] in self.near_triangles() {
+            let body = self.body_of(a[0]).or(self.body_of(b[0]));
+            if let Some(body) = body.filter(|body| bodies.contains(body))
+                && meet_unduly([a, b], x)
+            {
+                let own = if self.is_own(a[0]) { a } else { b };
+                crossing.extend(own.map(|v| [v, body as u32]));
+            }
+        }
+        bodies.retain(|&body| crossing.iter().all(|pair| pair[1] as usize != body));
+        self.pinched.extend(crossing);
+        Ok(bodies)
+    }
+
+    /// The body of which one of these vertices is.
+    fn body_among(&self, vertices: &[u32]) -> Option<usize> {
+        vertices.iter().find_map(|&v| self.body_of(v))
+    }
+
+    /// Whether part of the cloth with these vertices passes through the body of which the others are.
+    fn is_pinched(&self, vertices: &[u32]) -> bool {
+        self.pinched.count() > 0
+            && self.body_among(vertices).is_some_and(|body| {
+                let mut vertices = vertices.iter();
+                vertices.any(|&v| self.pinched.passes(v as usize, body))
+            })
     }
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.
@@ -212,7 +264,7 @@ impl Near {
             let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
             return self.own.self_collision && !rests && !self.pass(&vertices);
         }
-        vertices.iter().any(|&v| self.is_free[v as usize])
+        vertices.iter().any(|&v| self.is_free[v as usize]) && !self.is_pinched(&vertices)
     }
 
     /// Whether a vertex before a triangle is kept out of its body by a signed distance, so that the two need no look.

@@ -219,7 +219,8 @@ impl NearPairs {
         let mut rooms = self.rooms.iter_mut();
         for (vertex, (x, reach)) in (0u32..).zip(vertices) {
             for ((number, obstacle), room) in (0u32..).zip(obstacles).zip(&mut rooms) {
-                if !near.is_free[vertex as usize] {
+                let (v, body) = (vertex as usize, number as usize);
+                if !near.is_free[v] || near.pinched.passes(v, body) {
                     continue;
                 }
                 let stretch = obstacle.shape().lipschitz();

@@ -71,7 +71,7 @@ pub(super) struct Rows {
 
 impl Rows {
     /// Forgets everything about earlier steps: the cloth starts at `from` (m), before so many bodies.
-    fn start_anew(&mut self, near: &Near, from: &[Vec3], bodies: usize) {
+    pub(super) fn start_anew(&mut self, near: &Near, from: &[Vec3], bodies: usize) {
         self.quiet.end();
         self.bodies.forget(near.cloth, bodies);
         if let Some(patches) = &mut self.patches {

@@ -319,6 +319,33 @@ impl Contacts {
         }
     }
 
+    /// Lets the cloth pass through a body where the last step, which began at `from` (m), found no free way. Returns
+    /// whether it could not before.
+    pub(super) fn let_pass(&mut self, from: &[Vec3]) -> bool {
+        let blocked = std::mem::take(&mut self.last_resort.blocked);
+        let more = self.near.let_pass(&blocked);
+        if more {
+            self.is_anew = true;
+            self.rows.start_anew(&self.near, from, self.bodies.len());
+        }
+        more
+    }
+
+    /// Cloth that passes through a body no more, at `x` (m), is kept out of it again.
+    pub(super) fn unpinch(&mut self, x: &[Vec3]) -> Result<(), ContactError> {
+        for number in self.near.unpinched(x)? {
+            let body = self.bodies.get(number);
+            let is_out =
+                |v: usize| body.is_none_or(|(body, _)| body.signed_distance(x[v], 0.0).value > 0.0);
+            let are_out = self.near.pinched.vertices(number).all(is_out);
+            if are_out {
+                self.near.pinched.release(number);
+                self.is_anew = true;
+            }
+        }
+        Ok(())
+    }
+
     /// Whether nothing moves but what is free to, and that is outside of all bodies: the path to begin needs no help
     /// then.
     fn is_still(&self, step: &ContactStep<'_>, wanted: &[Vec3]) -> bool {
@@ -329,7 +356,8 @@ impl Contacts {
             step.inverse_mass[v] == 0.0
                 || self.before.iter().enumerate().all(|(number, body)| {
                     let x = step.from[v];
-                    self.pairs.known_distance([v, number], &self.before, x) > 0.0
+                    self.near.pinched.passes(v, number)
+                        || self.pairs.known_distance([v, number], &self.before, x) > 0.0
                         || body.signed_distance(x, 0.0).value > 0.0
                 })
         };
@@ -365,7 +393,8 @@ impl Contacts {
         for (number, ((before, after), (_, friction))) in (0u32..).zip(bodies) {
             for (vertex, place) in (0u32..).zip(near.own(x)) {
                 let v = vertex as usize;
-                if step.inverse_mass[v] == 0.0 || *friction == 0.0 {
+                let passes = near.pinched.passes(v, number as usize);
+                if step.inverse_mass[v] == 0.0 || *friction == 0.0 || passes {
                     continue;
                 }
                 let known = pairs.known_distance([v, number as usize], &self.before, *place);

@@ -30,7 +30,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// the cloth and of the [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the
 /// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
-/// [`ContactError::Infeasible`]; prescribed vertices of the cloth may be inside of bodies. The start of a step must be
+/// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside of bodies. The start of a step must be
 /// free of crossings; it is if the last step ended there, and if anything else has moved the cloth since, all near
 /// pairs of triangles are tested exactly, and crossing ones are [`ContactError::IntersectingStart`]. Not promised is
 /// anything of pairs that the builder was told to exclude or that are sewn together, of the cloth with itself without
@@ -273,21 +273,26 @@ impl PotentialContacts {
         self.contacts.is_anew |= self.contacts.near.let_go.replace(region, pairs);
     }
 
-    /// Whether another free body is halted for the cloth that would have no free way without.
-    fn halts(&mut self, error: &ContactError) -> bool {
-        let halts = match error {
-            ContactError::Infeasible { vertex } => {
-                let place = self.surfaces.from[*vertex as usize];
-                self.contacts.halt_near(place)
+    /// Whether something gives way to the cloth that would have no free way without: another free body is halted, or
+    /// the cloth passes through a body.
+    fn gives_way(&mut self, error: &ContactError) -> bool {
+        if let ContactError::Infeasible { vertex } = error {
+            let place = self.surfaces.from[*vertex as usize];
+            if self.contacts.halt_near(place) || self.contacts.let_pass(&self.surfaces.from) {
+                return true;
             }
-            _ => false,
-        };
-        if !halts {
-            // The step is not taken.
-            let free = &mut self.contacts.free.list;
-            free.iter_mut().for_each(|free| free.is_halted = false);
         }
-        halts
+        // The step is not taken.
+        let free = &mut self.contacts.free.list;
+        free.iter_mut().for_each(|free| free.is_halted = false);
+        false
+    }
+
+    /// How many vertices of the cloth pass through a body because bodies left them no free way, each counted once for
+    /// each body; see the [chapter](super#pinched-cloth).
+    #[must_use]
+    pub fn pinched(&self) -> usize {
+        self.contacts.near.pinched.count()
     }
 
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
@@ -366,12 +371,14 @@ impl ContactSource for PotentialContacts {
 
 impl ContactPotential for PotentialContacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
+        self.place(step, start, [true, false])?;
+        self.contacts.unpinch(&self.surfaces.from)?;
         loop {
             self.place(step, start, [true, true])?;
             let (all, to) = self.surfaces.all(step.dt);
             match self.contacts.begin(&all, to) {
                 Ok(()) => break,
-                Err(error) if self.halts(&error) => {}
+                Err(error) if self.gives_way(&error) => {}
                 Err(error) => return Err(error),
             }
         }
@@ -438,6 +445,7 @@ impl ContactPotential for PotentialContacts {
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         self.place(step, step.from, [true, false])?;
+        self.contacts.unpinch(&self.surfaces.from)?;
         let (all, _) = self.surfaces.all(step.dt);
         self.contacts.begin_step(&all)
     }
@@ -463,7 +471,7 @@ impl ContactConstraints for PotentialContacts {
             let (all, to) = self.surfaces.with(step.dt, x);
             match self.contacts.end_substep(&all, to) {
                 Ok(()) => break,
-                Err(error) if self.halts(&error) => {
+                Err(error) if self.gives_way(&error) => {
                     self.begin_substep(step, x)?;
                     for _ in 0..LEADING_SWEEPS {
                         ContactConstraints::sweep(self, step, x);

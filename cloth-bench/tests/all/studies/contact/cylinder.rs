@@ -27,7 +27,8 @@ fn strips_slip_at_the_ratio_of_their_polygon() {
     assert!(slipping("pbd", 0.3).unwrap().measured.0.is_infinite());
 }
 
-/// Soft cloth of position-based dynamics is longer, and presses by as much more.
+/// Soft cloth of position-based dynamics is longer, and presses by as much more: by a tenth to a third, as it happens
+/// to swing; on average over lengths by 0.238, and 0.233 where contacts are visited in another order.
 #[test]
 fn hanging_strips_press_as_their_tension_says() {
     for (name, most) in [
@@ -37,12 +38,19 @@ fn hanging_strips_press_as_their_tension_says() {
         ("linear-implicit", 2e-3),
         ("pd", 2e-3),
         ("xpbd", 2e-3),
-        ("pbd", 0.21),
     ] {
-        let Measured { expected, measured } = pressing(name, 3.0).unwrap();
-        let error = (measured.0 / expected.0 - 1.0).abs();
+        let error = pressed_more(name, 3.0).abs();
         assert!(error < most, "{name}: {error}");
     }
+    let lengths = [2.0, 2.5, 3.0, 3.5, 4.0, 5.0];
+    let mean = lengths.map(|l| pressed_more("pbd", l)).iter().sum::<f64>() / 6.0;
+    assert!((mean - 0.235).abs() < 0.02, "{mean}");
+}
+
+/// By what part a strip of so many radii presses more than its tension at rest says.
+fn pressed_more(name: &str, height_over_radius: f64) -> f64 {
+    let Measured { expected, measured } = pressing(name, height_over_radius).unwrap();
+    measured.0 / expected.0 - 1.0
 }
 
 /// Methods that minimise end a step at a tolerance; the others take as much momentum as gravity gives.

@@ -1,0 +1,85 @@
+//! Cloth that is pinched: bodies that close on it leave it no free way.
+//!
+//! Nothing can keep a sheet outside of two jaws that meet, and which of them it should obey no law of contact says.
+//! That is [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible), unless the cloth may pass
+//! ([`PotentialBuilder::pinched_cloth_passes`](super::PotentialBuilder::pinched_cloth_passes)), as with a figure whose
+//! arm comes to rest on its side: where a step finds no way, the vertices that have none, and their neighbours, pass
+//! through the body with the highest number among those that stand in theirs, and the step is tried again. They pass
+//! through it until no triangle of the cloth crosses it any more, and none of them is inside; then contact is what it
+//! was. (Baraff, Witkin and Kass, "Untangling cloth", ACM Trans. Graph. 22, 2003, section 5.3,
+//! <https://doi.org/10.1145/882262.882357>, hold pinched vertices to the mean motion of both bodies instead.)
+
+use super::near::Near;
+
+/// Vertices of the cloth that pass through bodies.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pinched {
+    /// A vertex and the number of a body each, in rising order.
+    pairs: Vec<[u32; 2]>,
+}
+
+impl Pinched {
+    /// How many vertices pass through a body, each counted once for each of them.
+    pub(super) fn count(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Whether a vertex passes through a body.
+    pub(super) fn passes(&self, vertex: usize, body: usize) -> bool {
+        !self.pairs.is_empty()
+            && self
+                .pairs
+                .binary_search(&[vertex as u32, body as u32])
+                .is_ok()
+    }
+
+    /// The bodies that something passes through.
+    pub(super) fn bodies(&self) -> Vec<usize> {
+        let mut bodies: Vec<usize> = self.pairs.iter().map(|pair| pair[1] as usize).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        bodies
+    }
+
+    /// The vertices that pass through a body.
+    pub(super) fn vertices(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
+        let of = move |pair: &&[u32; 2]| pair[1] as usize == body;
+        self.pairs.iter().filter(of).map(|pair| pair[0] as usize)
+    }
+
+    /// More vertices pass through a body each.
+    pub(super) fn extend(&mut self, pairs: impl IntoIterator<Item = [u32; 2]>) {
+        self.pairs.extend(pairs);
+        self.pairs.sort_unstable();
+        self.pairs.dedup();
+    }
+
+    /// Nothing passes through a body any more.
+    pub(super) fn release(&mut self, body: usize) {
+        self.pairs.retain(|pair| pair[1] as usize != body);
+    }
+}
+
+impl Near {
+    /// Lets vertices pass, with their neighbours, through that of the bodies in their way that has the highest number:
+    /// a vertex and a body each. Returns whether any did not before.
+    pub(super) fn let_pass(&mut self, blocked: &[[u32; 2]]) -> bool {
+        let body = blocked.iter().map(|pair| pair[1]).max();
+        let Some(body) = body.filter(|_| self.own.pinched_passes) else {
+            return false;
+        };
+        let before = self.pinched.count();
+        let seeds = blocked.iter().filter(|pair| pair[1] == body);
+        let mut vertices: Vec<u32> = seeds.map(|pair| pair[0]).collect();
+        vertices.sort_unstable();
+        let ends = self.incidence.edges.iter();
+        let around: Vec<u32> = ends
+            .filter(|ends| ends.iter().any(|v| vertices.binary_search(v).is_ok()))
+            .flatten()
+            .copied()
+            .collect();
+        let vertices = vertices.iter().chain(&around);
+        self.pinched.extend(vertices.map(|&v| [v, body]));
+        self.pinched.count() > before
+    }
+}
