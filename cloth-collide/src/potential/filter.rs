@@ -120,6 +120,9 @@ fn shorten_one(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], vertex: usize
 
 /// Shortens all paths to the same part of themselves.
 pub(super) fn shorten_all(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], part: Real) {
+    if part == 1.0 {
+        return;
+    }
     for vertex in 0..from.len() {
         shorten_one(from, to, parts, vertex, part);
     }

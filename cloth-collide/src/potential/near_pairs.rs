@@ -51,6 +51,8 @@ pub(super) struct NearPairs {
     pub(super) patches: Option<Patches>,
     /// Where the pairs were chosen (m), and how far each vertex may go from there (m).
     place: Vec<Vec3>,
+    /// How far vertices of bodies, which have been put where they end since, are from there at most (m).
+    behind: Option<Real>,
     /// Whether they were chosen for where obstacles are now.
     is_chosen: bool,
     reach: Vec<Real>,
@@ -94,17 +96,26 @@ impl NearPairs {
         }
     }
 
-    /// Makes sure that the pairs are those of the straight path between two positions (m).
-    pub(super) fn prepare(&mut self, near: &Near, path: [&[Vec3]; 2], obstacles: &[Obstacle]) {
+    /// Makes sure that the pairs are those of the straight path between two positions (m). Whether vertices of bodies
+    /// `stay` on all paths from now on, nothing needs to be asked of them.
+    pub(super) fn prepare(
+        &mut self,
+        near: &Near,
+        path: [&[Vec3]; 2],
+        obstacles: &[Obstacle],
+        stay: bool,
+    ) {
         let room = ROOM * near.law.range();
+        let count = if stay { near.cloth } else { path[0].len() };
         if self.is_chosen {
-            let moved = path.map(|x| longest([&self.place, x]));
+            let moved = path.map(|x| self.moved(x, count));
             // The end first: it is farther away.
             let ends = path.iter().zip(moved).rev();
             let bodies = !obstacles.is_empty();
             let holds = ends.fold(true, |holds, (x, moved)| {
                 holds && self.holds(x, moved, room, bodies)
             });
+            let path = path.map(|x| &x[..count]);
             if holds && !self.is_elsewhere(path, moved[0], room) {
                 self.wake(moved);
                 return;
@@ -113,14 +124,32 @@ impl NearPairs {
         let [from, to] = path;
         self.choose(near, path, room);
         from.clone_into(&mut self.place);
+        self.behind = None;
         self.is_chosen = true;
         self.spent = 0;
         self.reach.clear();
-        let displacements = from.iter().zip(to).map(|(a, b)| (b - a).norm() + room);
-        self.reach.extend(displacements);
+        let displacements = near.own(from).iter().zip(to);
+        self.reach
+            .extend(displacements.map(|(a, b)| (b - a).norm() + room));
         self.choose_obstacles(near, obstacles);
         self.choices += 1;
         self.wake([0.0, longest(path)]);
+    }
+
+    /// How far (m) a vertex of the first `count` is from where pairs were chosen, at most, besides what all do together;
+    /// or, if they are not all, as far as any of the others is at most, and with nothing taken off.
+    fn moved(&mut self, x: &[Vec3], count: usize) -> Real {
+        if count == x.len() {
+            return longest([&self.place, x]);
+        }
+        let farthest = |a: &[Vec3], b: &[Vec3]| {
+            let squares = a.iter().zip(b).map(|(a, b)| (b - a).norm_squared());
+            squares.fold(0.0, Real::max).sqrt()
+        };
+        let behind = self
+            .behind
+            .get_or_insert_with(|| farthest(&self.place[count..], &x[count..]));
+        farthest(&self.place[..count], &x[..count]).max(*behind)
     }
 
     /// Whether a path is short beside how far the cloth has gone since pairs were chosen, so that few of them matter:

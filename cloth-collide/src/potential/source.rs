@@ -156,7 +156,7 @@ impl ContactPotential for Contacts {
         let still = self.bodies.iter().map(|(body, _)| body.stopped());
         self.still.extend(still);
         self.pairs.begin(step.from, &self.near.is_resting, goes_on);
-        self.prepare(step.from, &wanted)?;
+        self.prepare(step.from, &wanted, false)?;
         self.stick(step);
         if is_still {
             let cap = self.safe_part(step.from, &wanted)?;
@@ -169,7 +169,7 @@ impl ContactPotential for Contacts {
             }
         }
         self.wanted = wanted;
-        self.prepare(start, start)
+        self.prepare(start, start, false)
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
@@ -198,7 +198,7 @@ impl ContactPotential for Contacts {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
             // paths.
             let known = self.pairs.choices;
-            self.prepare(from, to)?;
+            self.prepare(from, to, true)?;
             if round > 0 && self.pairs.choices == known {
                 return Ok(());
             }
@@ -207,7 +207,7 @@ impl ContactPotential for Contacts {
                 return Ok(());
             }
         }
-        self.prepare(from, to)?;
+        self.prepare(from, to, true)?;
         let cap = self.safe_part(from, to)?;
         shorten_all(from, to, parts, cap);
         Ok(())
@@ -493,16 +493,19 @@ impl Contacts {
 
     /// The same as [`ContactPotential::limit`] for a path that is not too long to be looked at as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        self.prepare(from, to)?;
+        self.prepare(from, to, true)?;
         self.safe_part(from, to)
     }
 
-    fn prepare(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<(), ContactError> {
+    /// Chooses pairs for a path (m); see [`NearPairs::prepare`].
+    fn prepare(&mut self, from: &[Vec3], to: &[Vec3], stay: bool) -> Result<(), ContactError> {
+        let count = if stay { self.near.cloth } else { from.len() };
         let bad = |x: &Vec3| x.amax() >= LARGEST || !is_finite(x);
-        if let Some(vertex) = (0..from.len()).find(|&v| bad(&from[v]) || bad(&to[v])) {
+        if let Some(vertex) = (0..count).find(|&v| bad(&from[v]) || bad(&to[v])) {
             return Err(ContactError::NonFinite { vertex });
         }
-        self.pairs.prepare(&self.near, [from, to], &self.still);
+        self.pairs
+            .prepare(&self.near, [from, to], &self.still, stay);
         Ok(())
     }
 

@@ -149,8 +149,10 @@ impl Surfaces {
         let bodies = self.cloth..;
         self.from[bodies.clone()].copy_from_slice(&self.to[bodies.clone()]);
         let shared = self.shared.get_mut();
-        let [place, _] = shared.unwrap_or_else(PoisonError::into_inner);
-        place[bodies.clone()].copy_from_slice(&self.to[bodies]);
+        let [place, gradient] = shared.unwrap_or_else(PoisonError::into_inner);
+        place[bodies.clone()].copy_from_slice(&self.to[bodies.clone()]);
+        // What is added up there in the step is of no use.
+        gradient[bodies].fill(Vec3::zeros());
     }
 
     /// The step (from, 1/kg, Δt) of everything, and its end.
@@ -413,7 +415,6 @@ impl ContactPotential for PotentialContacts {
         let mut shared = surfaces.shared();
         let [place, gradient] = &mut *shared;
         place[..x.len()].copy_from_slice(x);
-        gradient.fill(Vec3::zeros());
         gradient[..x.len()].copy_from_slice(out);
         let energy = self.contacts.add_gradient(place, gradient);
         out.copy_from_slice(&gradient[..x.len()]);

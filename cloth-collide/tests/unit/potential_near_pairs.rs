@@ -96,7 +96,7 @@ fn no_near_pair_is_missed_on_any_path() {
                     x + shift + turn.cross(x) * 0.3 + bent + noise(&mut random)
                 })
                 .collect();
-            pairs.prepare(&near, [&from, &to], &[]);
+            pairs.prepare(&near, [&from, &to], &[], false);
             touching += count_near(&mesh, &near, &pairs, [&from, &to]);
             last = from.iter().zip(&to).map(|(a, b)| b - a).collect();
             // Not all the way, as a search that is capped.
@@ -140,12 +140,12 @@ fn no_near_pair_is_missed_where_patches_turn() {
         let winding = 14.0 * (0.15 * Real::from(round)).sin().powi(2);
         frame = Rotation3::new(random.point([0.0, 0.05, 0.3, 1.0][round as usize % 4])) * frame;
         let to = rolled(winding, &frame);
-        pairs.prepare(&near, [&x, &to], &[]);
+        pairs.prepare(&near, [&x, &to], &[], false);
         touching += count_near(&mesh, &near, &pairs, [&x, &to]);
         // From the middle back to a place near the start, which an old choice may hold for.
         let back: Vec<Vec3> = x.iter().zip(&to).map(|(a, b)| a + (b - a) * 0.1).collect();
         let half: Vec<Vec3> = x.iter().zip(&to).map(|(a, b)| a + (b - a) * 0.5).collect();
-        pairs.prepare(&near, [&half, &back], &[]);
+        pairs.prepare(&near, [&half, &back], &[], false);
         touching += count_near(&mesh, &near, &pairs, [&half, &back]);
         x = to;
     }
@@ -180,7 +180,7 @@ fn no_near_pair_is_missed_where_two_leaves_close() {
             to[25..]
                 .iter_mut()
                 .for_each(|x| *x += along - frame * Vec3::z() * 8e-3);
-            pairs.prepare(&near, [&x, &to], &[]);
+            pairs.prepare(&near, [&x, &to], &[], false);
             touching += count_near(&mesh, &near, &pairs, [&x, &to]);
             x = to;
             pairs.begin(&x, &near.is_resting, true);
@@ -205,7 +205,7 @@ fn cloth_that_turns_is_looked_at_once() {
     pairs.begin(&x, &near.is_resting, false);
     for step in 1..100 {
         let to = at(step);
-        pairs.prepare(&near, [&x, &to], &[]);
+        pairs.prepare(&near, [&x, &to], &[], false);
         x = to;
         pairs.begin(&x, &near.is_resting, true);
     }
@@ -230,7 +230,7 @@ fn cloth_that_flies_is_looked_at_once() {
     for step in 0..100 {
         let fall = Vec3::z() * (-9.81 / 3600.0 * Real::from(step));
         let to: Vec<Vec3> = x.iter().map(|x| x + fall).collect();
-        pairs.prepare(&near, [&x, &to], &[]);
+        pairs.prepare(&near, [&x, &to], &[], false);
         x = to;
         pairs.begin(&x, &near.is_resting, true);
     }
