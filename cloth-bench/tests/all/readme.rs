@@ -309,8 +309,13 @@ fn links_of_the_pages_lead_to_files() {
     ] {
         let page = root.join(page);
         let text = std::fs::read_to_string(&page).unwrap();
-        for link in text.split("](").skip(1) {
-            let link = link.split_once(')').unwrap().0;
+        let pages = text.split("](").skip(1).map(|rest| rest.split_once(')'));
+        let pictures = text
+            .split("src=\"")
+            .skip(1)
+            .map(|rest| rest.split_once('"'));
+        for link in pages.chain(pictures) {
+            let link = link.unwrap().0;
             assert!(
                 page.with_file_name(link).exists(),
                 "{}: {link}",
@@ -320,4 +325,29 @@ fn links_of_the_pages_lead_to_files() {
         }
     }
     assert!(links > 20, "{links}");
+}
+
+#[test]
+fn every_scene_is_in_the_table_with_its_picture() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let page = std::fs::read_to_string(folder.join("README.md")).unwrap();
+    let mut scenes = 0;
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let row = page
+            .lines()
+            .find(|line| line.starts_with(&format!("| [{name}.toml]")));
+        assert!(
+            row.is_some_and(|row| row.contains(&format!("pictures/{name}.png"))),
+            "{name}"
+        );
+        let picture = std::fs::read(folder.join(format!("pictures/{name}.png"))).unwrap();
+        assert!(picture.starts_with(b"\x89PNG"), "{name}");
+        scenes += 1;
+    }
+    assert!(scenes >= 20, "{scenes}");
 }
