@@ -18,7 +18,7 @@ pub(super) const STUDY: Study = Study {
         obstacles. Expect no crossing at all; where a step is refused, the remark says why. Expect soft methods to need more contact: their cloth stretches, so more of it lies on itself. \
         A distance of cloth from cloth below the thickness is allowed, one below zero of a vertex from an obstacle is not. Queries: single pairs in motion, whose answer is known exactly because it was chosen first; \
         the conservative method must miss none and may report near ones. The times of a query are the shortest of several calls. \
-        Crumpled sheet: an accordion of sixteen layers, two thicknesses apart on average, of ever finer triangles; what the search for candidates costs, and a step that presses it.",
+        Crumpled sheet: an accordion of sixteen layers, 1.1 thicknesses apart on average, of ever finer triangles; what the search for candidates costs, and a step that presses it to nine tenths of its height.",
     run,
 };
 

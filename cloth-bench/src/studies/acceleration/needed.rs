@@ -145,8 +145,8 @@ const ROUNDS: usize = 15;
 const TIMED: u32 = 200;
 
 /// The smallest times of some repetitions, all `runs` in turn.
-pub(super) fn times(
-    scene: &Scene,
+pub(super) fn times<'a>(
+    scene: impl Fn(&Variant) -> &'a Scene,
     state: &State,
     runs: &[(&Variant, Needed)],
 ) -> Result<Vec<Time>, BenchError> {
@@ -154,12 +154,13 @@ pub(super) fn times(
     let mut solvers = Vec::with_capacity(runs.len());
     for (variant, needed) in runs {
         let many = needed.count().min(1 + TIMED);
-        let make = |count| solver(scene, variant, count);
+        let make = |count| solver(scene(variant), variant, count);
         solvers.push([make(1)?, make(many)?]);
     }
     let mut best = vec![[Real::INFINITY; 2]; runs.len()];
     for _ in 0..=ROUNDS {
-        for (solvers, best) in solvers.iter_mut().zip(&mut best) {
+        for ((solvers, best), (variant, _)) in solvers.iter_mut().zip(&mut best).zip(runs) {
+            let scene = scene(variant);
             for (solver, best) in solvers.iter_mut().zip(best) {
                 let mut state = state.clone();
                 let input = StepInput::new(scene.dt).gravity(scene.gravity);

@@ -361,7 +361,7 @@ pub fn recover(pairing: Pairing, n: u32, steps: u32) -> Result<Recovered, BenchE
 /// Cloth that passes through itself at the start.
 fn recovery(study: &mut StudyRun<'_>) {
     let steps = most_steps(study.scope);
-    let n = study.scope.pick(5, 17);
+    let n = study.scope.pick(9, 17);
     let is_tried =
         |pairing: &Pairing| TANGLED.contains(&pairing.scene) && pairing.method != LEFT_OUT;
     let rows = study.grid_side_by_side(

@@ -166,13 +166,14 @@ impl Row {
         Some(contact.sixtieth.ms? / contact.hanging_ms?)
     }
 
-    /// Vertices at 60 steps a second, by the power law through both sizes.
+    /// Vertices at 60 steps a second, by the power law through both sizes; but no step takes less than in proportion to
+    /// the vertices, whatever small sizes may say.
     #[must_use]
     pub fn real_time(&self) -> Option<Real> {
         let cost = self.cost.as_ref()?;
         let [small, large] = cost.sides.map(|side| Real::from(side).powi(2));
         let [fast, slow] = [cost.ms[0]?, cost.ms[1]?];
-        let exponent = ((slow / fast).ln() / (large / small).ln()).max(0.5);
+        let exponent = ((slow / fast).ln() / (large / small).ln()).max(1.0);
         Some(small * (1000.0 / 60.0 / fast).powf(1.0 / exponent))
     }
 }

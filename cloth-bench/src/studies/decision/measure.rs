@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 /// Vertices a side of the two sheets whose steps are timed.
 pub(super) fn sides(scope: Scope) -> [u32; 2] {
-    scope.pick([12, 20], [64, 128])
+    scope.pick([24, 48], [64, 128])
 }
 
 /// Vertices a side of the sheets of [`Step`] and of [`Contact`], and steps of the latter.
@@ -100,8 +100,8 @@ impl Step {
         step.error = error.and_then(|found| or_reason(found, &mut step.reasons));
         let (_, n, steps) = small(scope);
         let hang = scene::build("hang", None, &Settings::default().with("n", n))?;
-        let published = Settings::default();
-        let hung = run::from_start(&hang, method, &published, hang.dt, steps, |_, _, _| Ok(()));
+        let settings = method.by_default(Settings::default());
+        let hung = run::from_start(&hang, method, &settings, hang.dt, steps, |_, _, _| Ok(()));
         let stretch = hung.map(|(summary, _)| summary.max_stretch);
         step.stretch = or_reason(stretch, &mut step.reasons);
         step.fold = fold.and_then(|found| or_reason(found, &mut step.reasons));
@@ -124,7 +124,8 @@ fn error_of_a_step(n: u32, method: &Method) -> Result<Real, BenchError> {
     let settings = sheets::hanging(n, sheets::STIFFNESS);
     let scene = scene::build("hang", None, &settings)?;
     let problem = sheets::sixteenth_step(&settings)?;
-    let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
+    let by_default = method.by_default(Settings::default());
+    let mut solver = method.build(&scene, &by_default, scene.dt)?;
     // Not below what the reference itself has to rounding.
     Ok(problem.solve(&mut *solver)?.0.objective.max(1e-15))
 }
@@ -169,19 +170,12 @@ impl Contact {
         let (_, n, steps) = small(scope);
         let settings = Settings::default().with("n", n);
         let hang = scene::build("hang", None, &settings)?;
+        let defaults = method.by_default(Settings::default());
         let hanging = until(scope, |check| {
-            run::from_start(
-                &hang,
-                method,
-                &Settings::default(),
-                hang.dt,
-                steps,
-                |_, _, _| check(),
-            )
+            run::from_start(&hang, method, &defaults, hang.dt, steps, |_, _, _| check())
         });
         let hanging = hanging.ok().map(|(summary, _)| summary);
         let scene = draped(scope)?;
-        let defaults = Settings::default();
         let drape = |dt, steps| Drape::measure(&scene, scope, method, &defaults, (dt, steps));
         Ok(Self {
             hanging_ms: hanging.map(|s| s.ms_per_step_median),

@@ -22,6 +22,18 @@ fn real_time_follows_the_power_law() {
     };
     let expected = 100.0 * (1000.0 / 60.0_f64).powf(2.0 / 3.0);
     assert!((row.real_time().unwrap() / expected - 1.0).abs() < 1e-12);
+    // Where the time has hardly grown yet, as at small sizes, it is taken to grow as the vertices do.
+    let flat = Cost {
+        sides: [10, 20],
+        ms: [Some(1.0), Some(1.1)],
+        memory: None,
+    };
+    let row = Row {
+        cost: Some(flat),
+        ..row
+    };
+    let expected = 100.0 * 1000.0 / 60.0;
+    assert!((row.real_time().unwrap() / expected - 1.0).abs() < 1e-12);
 }
 
 #[test]
