@@ -137,6 +137,11 @@ pub trait SignedDistance: Debug + Send + Sync {
         false
     }
 
+    /// How far φ may be from the distance to the surface (m), 0 if it is that.
+    fn error_bound(&self) -> Real {
+        0.0
+    }
+
     /// A box that contains the shape, or nothing if none does.
     fn bounds(&self) -> Option<Bounds>;
 }

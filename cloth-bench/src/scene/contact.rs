@@ -73,8 +73,6 @@ pub(super) enum Body {
         free: Option<Box<RigidBody>>,
         /// Whether its signed distance at the vertices of the cloth is all there is to it.
         is_flat: bool,
-        /// Whether its signed distance is looked up in a grid.
-        is_sampled: bool,
         /// Coefficient of friction of its own (dimensionless).
         friction: Option<Real>,
     },
@@ -129,8 +127,6 @@ pub struct ContactSetup {
     animated: Vec<(TriMesh, AnimatedMesh, Real)>,
     /// Numbers of the obstacles, and of the animated surfaces behind them, in the scene, from 0.
     numbers: Vec<usize>,
-    /// Numbers in the scene, from 0, of obstacles whose signed distance is looked up in a grid.
-    sampled: Vec<usize>,
     /// Whether the common coefficient of friction is that of anything.
     is_common_friction_felt: bool,
     pub(super) pieces: Option<PieceContact>,
@@ -147,7 +143,6 @@ impl ContactSetup {
         let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         let (mut obstacles, mut frictions) = (Vec::new(), Vec::new());
-        let mut sampled = Vec::new();
         let (mut rigid_numbers, mut animated_numbers) = (Vec::new(), Vec::new());
         let mut is_common_friction_felt = *own.collides;
         let mut friction_of = |own: Option<Real>| {
@@ -161,10 +156,8 @@ impl ContactSetup {
                     surface,
                     free,
                     is_flat,
-                    is_sampled,
                     friction,
                 } => {
-                    sampled.extend(is_sampled.then_some(number));
                     frictions.push(friction_of(friction));
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
                     rigid_numbers.push(number);
@@ -220,7 +213,6 @@ impl ContactSetup {
             free: free_bodies,
             highest_frequency,
             animated,
-            sampled,
             numbers: [rigid_numbers, animated_numbers].concat(),
             is_common_friction_felt,
             pieces: None,
@@ -246,11 +238,6 @@ impl ContactSetup {
     /// Whether the cloth can touch itself, where contact is switched on.
     pub(crate) fn touches_itself(&self) -> bool {
         self.self_collision
-    }
-
-    /// Numbers in the scene, from 0, of obstacles whose signed distance is looked up in a grid.
-    pub(crate) fn sampled(&self) -> impl Iterator<Item = usize> + '_ {
-        self.sampled.iter().copied()
     }
 
     /// Whether what hits something leaves it with a given part of its speed.

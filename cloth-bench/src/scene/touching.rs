@@ -81,7 +81,6 @@ pub(super) fn below(
         obstacle: obstacle.map_err(BenchError::usage)?,
         surface: shape,
         free: None,
-        is_sampled: false,
         is_flat: matches!(kind, Below::Floor(_)),
         friction: None,
     })

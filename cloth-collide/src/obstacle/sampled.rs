@@ -24,7 +24,7 @@ const FARTHEST: Real = 1.82;
 /// power of the spacing where the surface is smooth.
 ///
 /// **What is approximate.** Inside the grid, φ differs from the shape's own by at most
-/// [`SampledDistance::error_bound`], 1.82 spacings; in tests by up to a quarter of one, at edges, which come out rounded.
+/// [`SignedDistance::error_bound`], 1.82 spacings; in tests by up to a quarter of one, at edges, which come out rounded.
 /// The gradient is that of this φ, so its length, [`Distance::slope`], is not quite 1.
 ///
 /// **Outside the grid** nothing is known but what follows from the samples: with q the nearest point of the grid's box
@@ -102,12 +102,6 @@ impl SampledDistance {
         };
         sampled.lipschitz = sampled.steepest();
         Ok(sampled)
-    }
-
-    /// How far φ may be from that of the shape that was sampled (m).
-    #[must_use]
-    pub fn error_bound(&self) -> Real {
-        self.error_bound
     }
 
     /// The 27 coefficients around a node, the one for x last to change: `[z][y][x]`.
@@ -196,6 +190,10 @@ impl SignedDistance for SampledDistance {
 
     fn lipschitz(&self) -> Real {
         self.lipschitz
+    }
+
+    fn error_bound(&self) -> Real {
+        self.error_bound
     }
 
     fn bounds(&self) -> Option<Bounds> {

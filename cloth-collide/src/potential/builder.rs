@@ -313,10 +313,12 @@ impl<'a> PotentialBuilder<'a> {
         let mut sides = Vec::new();
         let mut animated = self.obstacles.len()..;
         for (mesh, motion) in &self.surfaces {
+            let mut is_exact = true;
             let (has_distance, friction, body) = match motion {
                 Motion::Obstacle(number) => {
                     let name = "number of the obstacle with a surface";
-                    let (_, friction) = self.body(name, *number)?;
+                    let (body, friction) = self.body(name, *number)?;
+                    is_exact = body.shape().error_bound() == 0.0;
                     (true, *friction, Some(*number))
                 }
                 Motion::Own(animation, friction) => {
@@ -331,6 +333,7 @@ impl<'a> PotentialBuilder<'a> {
             };
             let side = Side {
                 has_distance,
+                is_exact,
                 friction,
                 body: body.unwrap_or_default(),
             };

@@ -18,8 +18,9 @@ use cloth_core::mesh::TriMesh;
 /// What a vertex of a body's surface knows of its body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
-    /// Whether a signed distance keeps the vertices of the cloth out as well.
+    /// Whether a signed distance keeps the vertices of the cloth out as well, and whether that is exact.
     pub(super) has_distance: bool,
+    pub(super) is_exact: bool,
     /// Coefficient of friction μ (dimensionless).
     pub(super) friction: Real,
     /// Its number: obstacles first, then animated surfaces.
@@ -269,7 +270,10 @@ impl Near {
 
     /// Whether a vertex before a triangle is kept out of its body by a signed distance, so that the two need no look.
     pub(super) fn is_kept_out(&self, vertex: u32, corners: [u32; 3]) -> bool {
-        self.is_own(vertex) && self.side(corners[0]).is_some_and(|side| side.has_distance)
+        self.is_own(vertex)
+            && self
+                .side(corners[0])
+                .is_some_and(|side| side.has_distance && side.is_exact)
     }
 
     /// Coefficient of friction μ (dimensionless) of a pair.
@@ -328,6 +332,8 @@ impl Near {
         };
         let thickness = match (self.side(a), self.side(d)) {
             (None, None) => 0.5 * part * (self.thickness(a) + self.thickness(d)),
+            // Vertices before a distance that is off are pushed by it; the triangles keep them out where it is wrong.
+            (None, Some(side)) if !side.is_exact => return 0.5 * self.thickness(a),
             (None, Some(_)) => return part * self.thickness(a),
             _ => return 0.5 * self.thickness(d),
         };

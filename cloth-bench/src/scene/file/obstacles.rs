@@ -34,7 +34,6 @@ pub(super) fn body(
         obstacle,
         surface,
         free: free.map(Box::new),
-        is_sampled: own.sampled.is_some(),
         is_flat: *own.shape == Some(Shape::Plane),
         friction: *own.friction,
     })
