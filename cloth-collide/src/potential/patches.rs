@@ -293,7 +293,7 @@ impl Patches {
 
     /// Brings what is known to `to` (m), in substeps that could be left out.
     pub(super) fn skip(&mut self, to: &[Vec3]) {
-        self.measure(to);
+        self.measure(to, false);
         self.accept();
     }
 
@@ -356,7 +356,7 @@ impl Patches {
         begins: bool,
         mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> bool {
-        self.measure(to);
+        self.measure(to, false);
         let (aim, then) = (&mut self.aim, &self.then);
         if begins {
             self.substep += 1;

@@ -373,10 +373,12 @@ impl ContactSource for PotentialContacts {
 
 impl ContactPotential for PotentialContacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        self.place(step, start, [true, false])?;
-        self.contacts.unpinch(&self.surfaces.from)?;
+        let mut is_first = true;
         loop {
             self.place(step, start, [true, true])?;
+            if std::mem::take(&mut is_first) {
+                self.contacts.unpinch(&self.surfaces.from)?;
+            }
             let (all, to) = self.surfaces.all(step.dt);
             match self.contacts.begin(&all, to) {
                 Ok(()) => break,

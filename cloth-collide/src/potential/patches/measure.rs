@@ -83,38 +83,26 @@ impl Patches {
         let mut now = std::mem::take(&mut self.now);
         wide(
             #[inline(always)]
-            || {
-                self.find_centres(&mut now, x);
-            },
+            || self.find_centres(&mut now, x),
         );
         self.now = now;
         self.is_settled.fill(false);
         self.settle_all();
     }
 
-    /// Looks at the motion from the start of the substep to `to` (m).
-    pub(super) fn measure(&mut self, to: &[Vec3]) {
+    /// Looks at the motion from the start of the substep to `to` (m), and at how patches turn on the way if that is
+    /// wanted.
+    pub(super) fn measure(&mut self, to: &[Vec3], turns: bool) {
         let mut then = std::mem::take(&mut self.then);
         wide(
             #[inline(always)]
             || {
                 self.find_centres(&mut then, to);
                 self.compare(&mut then);
-            },
-        );
-        self.then = then;
-    }
-
-    /// The same, and how patches turn on the way.
-    pub(super) fn measure_turns(&mut self, to: &[Vec3]) {
-        let mut then = std::mem::take(&mut self.then);
-        wide(
-            #[inline(always)]
-            || {
-                self.find_centres(&mut then, to);
-                self.find_axes(&mut then);
-                self.compare(&mut then);
-                self.compare_turns(&mut then);
+                if turns {
+                    self.find_axes(&mut then);
+                    self.compare_turns(&mut then);
+                }
             },
         );
         self.then = then;

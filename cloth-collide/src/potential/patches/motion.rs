@@ -24,13 +24,13 @@ impl Patches {
     ) {
         if self.is_known {
             // From where pairs were chosen last.
-            self.measure_turns(x);
+            self.measure(x, true);
             self.travel();
             self.accept();
         } else {
             self.place(x);
         }
-        self.measure_turns(to);
+        self.measure(to, true);
         if !self.is_known || self.has_strayed(room) {
             let displacement = self.longest_stray() + room;
             self.reach = (2.0 * displacement).max(REACH * self.edge);
@@ -96,7 +96,7 @@ impl Patches {
 
     /// Whether what was chosen last holds at `x` (m), which was chosen for paths from the `x` of the choice on.
     pub(in crate::potential) fn holds(&mut self, x: &[Vec3]) -> bool {
-        self.measure_turns(x);
+        self.measure(x, true);
         let mut pairs = self.ids.iter().zip(&self.allowed);
         pairs.all(|(patches, allowed)| self.is_allowed(*patches, allowed)) && !self.has_strayed(0.0)
     }
