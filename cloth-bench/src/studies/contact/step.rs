@@ -1,5 +1,6 @@
 //! One step of implicit Euler in contact as a problem with a known answer, and how far each method is from it.
 
+use super::survival::scene_of;
 use crate::studies::cases::LazyCell;
 use crate::studies::prelude::*;
 use cloth_core::contact::{ContactSource, ContactStep};
@@ -11,12 +12,21 @@ use std::time::Instant;
 const EXACT: Real = 1e-10;
 /// A reference has at most this gradient, relative to that at the start of the step.
 const MOST_GRADIENT: Real = 1e-6;
-/// Steps before the one that is looked at: the sheet lies on the sphere with its middle, and its sides still fall.
-const STEPS_BEFORE: u32 = 17;
+/// Scenes, and the steps of each before the one that is looked at: a sheet lies on a sphere with its middle, and its
+/// sides still fall; a strip folds onto itself; sheets land on each other; a tube buckles on a floor.
+pub const MOMENTS: [(&str, u32); 4] = [
+    ("drape-sphere", 17),
+    ("fold", 25),
+    ("stack", 3),
+    ("garment", 20),
+];
 
 /// Vertices a side.
-fn sides(scope: Scope) -> &'static [u32] {
-    scope.pick(&[13], &[33, 64])
+fn sides(scope: Scope, scene: &str) -> &'static [u32] {
+    match scene {
+        "drape-sphere" => scope.pick(&[13], &[33, 64]),
+        _ => scope.pick(&[9], &[33]),
+    }
 }
 
 /// A step from a state in which cloth lies on a body, with the minimiser of G, the contact potential and its lagged
@@ -48,19 +58,19 @@ pub struct Reached {
 }
 
 impl ContactProblem {
-    /// The step after so many of implicit Euler of the scene `drape-sphere`.
+    /// The step after so many of implicit Euler, of one of the scenes that [`scene_of`] knows.
     ///
     /// # Errors
     /// [`BenchError::Failed`] if the reference does not converge.
-    pub fn new(n: u32) -> Result<Self, BenchError> {
-        let scene = scene::build("drape-sphere", None, &Settings::default().with("n", n))?;
+    pub fn new(scene: &str, n: u32, steps_before: u32) -> Result<Self, BenchError> {
+        let scene = scene_of(scene, n, "")?;
         let implicit = Method::find("implicit-euler")?;
         let (_, state) = run::from_start(
             &scene,
             implicit,
             &Settings::default(),
             scene.dt,
-            STEPS_BEFORE,
+            steps_before,
             |_, _, _| Ok(()),
         )?;
         let mut predicted = state.positions.clone();
@@ -208,6 +218,7 @@ pub fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
 /// A step by a method.
 #[derive(Clone, Default, Serialize)]
 struct Row {
+    scene: &'static str,
     n: u32,
     method: String,
     setting: String,
@@ -217,23 +228,55 @@ struct Row {
     objective_error: Option<Real>,
 }
 
-/// Steps by one or several methods on a sheet of `n` vertices a side: method, what is set of it, and the name of the
-/// case.
+/// A method, what is set of it, and the setting in words.
+type Way = (Variant, String);
+
+/// Every method at its default. What grows until it is torn to pieces keeps the last resort of contact busy for minutes.
+fn by_default() -> Vec<Way> {
+    method::all()
+        .filter(|method| method.aims_at_implicit_euler() && !method.is_never_stable())
+        .map(|method| {
+            let mut variant = Variant::default_of(method);
+            variant.settings = method.by_default(variant.settings);
+            (variant, "default".to_owned())
+        })
+        .collect()
+}
+
+/// Those of [`refined`], value by value.
+fn finer(scope: Scope) -> Vec<Way> {
+    let of_value = |(variant, key, values): (Variant, &'static str, Vec<String>)| {
+        values.into_iter().map(move |value| {
+            let mut variant = variant.clone();
+            variant.settings = variant.settings.with(key, &value);
+            (variant, format!("{key}={value}"))
+        })
+    };
+    refined(scope).into_iter().flat_map(of_value).collect()
+}
+
+/// Steps of a scene with `n` vertices a side.
 fn steps(
     study: &mut StudyRun<'_>,
-    n: u32,
+    (scene, n): (&'static str, u32),
     problem: &mut LazyCell<ContactProblem, impl FnMut() -> Result<ContactProblem, BenchError>>,
-    all: Vec<(Variant, String, String)>,
+    ways: Vec<Way>,
 ) -> Vec<Row> {
     let found = study.grid(
-        all,
-        |(.., case)| case.clone(),
-        |(variant, ..)| {
+        ways,
+        |(variant, setting)| {
+            format!(
+                "a step of {scene} by {}, {setting}, {n} × {n}",
+                variant.label
+            )
+        },
+        |(variant, _)| {
             let method = Method::find(variant.method())?;
             problem.get()?.reached(method, &variant.settings)
         },
     );
-    let row = |((variant, setting, _), reached): ((Variant, _, _), Reached)| Row {
+    let row = |((variant, setting), reached): (Way, Reached)| Row {
+        scene,
         n,
         method: variant.label,
         setting,
@@ -247,64 +290,22 @@ fn steps(
 
 pub(super) fn run(study: &mut StudyRun<'_>) {
     let (mut defaults, mut samples, mut told) = (Vec::new(), Vec::new(), Vec::new());
-    for &n in sides(study.scope) {
-        let mut problem = LazyCell::new(|| ContactProblem::new(n));
-        // What grows until it is torn to pieces keeps the last resort of contact busy for minutes.
-        let compared = method::all()
-            .filter(|method| method.aims_at_implicit_euler() && !method.is_never_stable());
-        let by_default = |method: &Method| {
-            let case = format!("a step of {} in contact, {n} × {n}", method.name);
-            let mut variant = Variant::default_of(method);
-            variant.settings = method.by_default(variant.settings);
-            (variant, "default".to_owned(), case)
-        };
-        let by_default: Vec<_> = compared.map(by_default).collect();
-        let by_default = steps(study, n, &mut problem, by_default);
-        let mut finer = Vec::new();
-        for (variant, key, values) in refined(study.scope) {
-            finer.extend(values.into_iter().map(|value| {
-                let setting = format!("{key}={value}");
-                let case = format!("{} in contact, {setting}, {n} × {n}", variant.label);
-                let mut variant = variant.clone();
-                variant.settings = variant.settings.with(key, value);
-                (variant, setting, case)
-            }));
+    for (scene, steps_before) in MOMENTS {
+        for &n in sides(study.scope, scene) {
+            let mut problem = LazyCell::new(|| ContactProblem::new(scene, n, steps_before));
+            let at = (scene, n);
+            let by_default = steps(study, at, &mut problem, by_default());
+            let finer = steps(study, at, &mut problem, finer(study.scope));
+            plot(study, at, &finer);
+            let every: Vec<&Row> = by_default.iter().chain(&finer).collect();
+            told.push(format!("{scene}, {n} × {n}: {}", fastest(&every)));
+            defaults.extend(by_default);
+            samples.extend(finer);
         }
-        let finer = steps(study, n, &mut problem, finer);
-        let position = finer.iter().map(|row| (row, row.position_error));
-        let objective = finer
-            .iter()
-            .filter_map(|row| Some((row, row.objective_error?.max(Real::EPSILON))));
-        let of = |(row, error): (&Row, Real)| (row.method.clone(), (row.ms, error));
-        for (name, title, error, series) in [
-            (
-                "position",
-                "Distance from the implicit Euler step in contact",
-                "‖x − x*‖_M/‖x̃ − x*‖_M",
-                curves(position, of),
-            ),
-            (
-                "objective",
-                "Objective with contact and friction",
-                "(G − G*)/(G(xₙ) − G*)",
-                curves(objective, of),
-            ),
-        ] {
-            let title = format!("{title}, {n} × {n} vertices");
-            let error = Axis::log(&format!("{error} (dimensionless)"));
-            let plot = Plot::new(title, Axis::log("time of the step (ms)"), error).with(series);
-            study
-                .findings
-                .plot(&format!("contact-step-{name}-{n}"), &plot);
-        }
-        let every: Vec<&Row> = by_default.iter().chain(&finer).collect();
-        told.push(format!("{n} × {n}: {}", fastest(&every)));
-        defaults.extend(by_default);
-        samples.extend(finer);
     }
     study.findings.table(
         "contact-step",
-        "One step of a sheet that lies on a sphere with its middle, every method at its default (but forward Euler, which is not stable at any)",
+        "One step in contact, every method at its default (but forward Euler, which is not stable at any)",
         Table::of(&defaults),
     );
     study
@@ -313,10 +314,39 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
     study.findings.answer(
         "Which method at which error in contact?",
         format!(
-            "For the implicit Euler step of a sheet on a sphere, by the distance from its end, as a part of that of the inertial prediction: {}.",
-            told.join("; at ")
+            "For one step of implicit Euler, by the distance from its end, as a part of that of the inertial prediction: {}.",
+            told.join("; ")
         ),
     );
+}
+
+/// How far methods are from the end of the step, and from its minimum, against time.
+fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[Row]) {
+    let position = rows.iter().map(|row| (row, row.position_error));
+    let objective = rows
+        .iter()
+        .filter_map(|row| Some((row, row.objective_error?.max(Real::EPSILON))));
+    let of = |(row, error): (&Row, Real)| (row.method.clone(), (row.ms, error));
+    for (name, title, error, series) in [
+        (
+            "position",
+            "Distance from the implicit Euler step",
+            "‖x − x*‖_M/‖x̃ − x*‖_M",
+            curves(position, of),
+        ),
+        (
+            "objective",
+            "Objective with contact and friction",
+            "(G − G*)/(G(xₙ) − G*)",
+            curves(objective, of),
+        ),
+    ] {
+        let title = format!("{title}, {scene}, {n} × {n} vertices");
+        let error = Axis::log(&format!("{error} (dimensionless)"));
+        let plot = Plot::new(title, Axis::log("time of the step (ms)"), error).with(series);
+        let name = format!("contact-step-{scene}-{name}-{n}");
+        study.findings.plot(&name, &plot);
+    }
 }
 
 /// Who is the first at each error, in words.
