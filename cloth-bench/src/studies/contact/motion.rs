@@ -1,10 +1,14 @@
-//! The same drape on every mesh and with every step, and what its error costs.
+//! The same motion in contact on every mesh and with every step, and what its error costs.
 
+use super::survival::scene_of;
 use crate::studies::meshes_and_steps::{MeshesAndSteps, OverConverged, Point};
 use crate::studies::prelude::*;
 
-/// Time of the comparison (s): the sheet has wrapped the upper half of the sphere, and its corners swing.
+/// Time of the comparison (s): a sheet has wrapped the upper half of a sphere, and its corners swing; a strip has folded
+/// onto itself; sheets lie on each other; a sleeve hangs on an arm.
 const SECONDS: Real = 0.4;
+const SCENES: [&str; 4] = ["drape-sphere", "fold", "stack", "sleeve"];
+
 fn methods() -> Vec<&'static str> {
     method::with_own(&[
         "implicit-euler",
@@ -34,9 +38,9 @@ fn finest(scope: Scope) -> (u32, u32) {
     scope.pick((9, 240), (49, 480))
 }
 
-/// A sheet on a sphere at the end.
+/// Cloth in contact at the end.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Draped {
+struct Ended {
     /// Of the centre of mass.
     #[serde(rename = "fall (m)")]
     fall: Number,
@@ -50,14 +54,14 @@ struct Draped {
     ms_per_step: Number,
 }
 
-fn drape(name: &str, n: u32, rate: u32) -> Result<Draped, BenchError> {
-    let scene = scene::build("drape-sphere", None, &Settings::default().with("n", n))?;
+fn follow(scene: &str, name: &str, n: u32, rate: u32) -> Result<Ended, BenchError> {
+    let scene = scene_of(scene, n, "")?;
     let steps = (SECONDS * Real::from(rate)).round() as u32;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let dt = 1.0 / Real::from(rate);
     let (end, _) = run::from_start(&scene, method, &settings, dt, steps, |_, _, _| Ok(()))?;
-    Ok(Draped {
+    Ok(Ended {
         fall: Number(end.center_of_mass_drop),
         fall_over_converged: None,
         largest_stretch: Number(end.max_stretch),
@@ -69,74 +73,102 @@ fn drape(name: &str, n: u32, rate: u32) -> Result<Draped, BenchError> {
     })
 }
 
+/// The scene of a run.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Of {
+    scene: &'static str,
+}
+
 pub(super) fn run(study: &mut StudyRun<'_>) {
+    let (mut rows, mut all_falls) = (Vec::new(), Vec::new());
+    for scene in SCENES {
+        let Some((ours, falls)) = of_scene(study, scene) else {
+            return;
+        };
+        rows.extend(ours.into_iter().map(|row| (Of { scene }, row)));
+        all_falls.extend(falls);
+    }
+    study.findings.table(
+        "contact-motion",
+        &format!("Cloth in contact after {SECONDS} s, every method at its default"),
+        Table::of(&rows),
+    );
+    let grid = meshes_and_steps(study.scope);
+    let told = methods().into_iter().map(|method| {
+        let ours = all_falls
+            .iter()
+            .filter(|(point, _)| point.method == method && point.vertices_a_side == grid.middle);
+        let most = ours.map(|(_, over)| (over[1] - 1.0).abs());
+        let percent = 100.0 * most.fold(0.0, Real::max);
+        format!("{method} {} %", significant(percent, 2))
+    });
+    study.findings.answer(
+        "Is it the same motion in contact at every frame rate?",
+        format!(
+            "The fall within {SECONDS} s of {} scenes with steps of 1/{} s and shorter is off the converged one by at most: {}.",
+            SCENES.len(),
+            grid.rates[0],
+            told.collect::<Vec<_>>().join(", ")
+        ),
+    );
+}
+
+/// What a scene has shown: its runs, and their falls over the converged one.
+type Shown = (Vec<(Point, Ended)>, Vec<OverConverged>);
+
+/// The runs of a scene, with its plots; none if another run has what they are compared with.
+fn of_scene(study: &mut StudyRun<'_>, scene: &'static str) -> Option<Shown> {
     let grid = meshes_and_steps(study.scope);
     let (finest_n, finest_rate) = finest(study.scope);
     let mut converged = |n: u32| {
-        let case = format!("a converged drape, {n} × {n}");
-        Some(study.case(&case, || drape("bdf2", n, finest_rate))?.fall.0)
+        let case = format!("a converged {scene}, {n} × {n}");
+        let end = study.case(&case, || follow(scene, "bdf2", n, finest_rate))?;
+        Some(end.fall.0)
     };
-    let Some(of_size) = converged(finest_n) else {
-        return;
-    };
+    let of_size = converged(finest_n)?;
     // Rates are compared on one mesh, with what converges there.
-    let of_step = if grid.middle == finest_n {
-        Some(of_size)
-    } else {
-        converged(grid.middle)
+    let of_step = match grid.middle == finest_n {
+        true => of_size,
+        false => converged(grid.middle)?,
     };
-    let Some(of_step) = of_step else { return };
     let mut rows = study.grid(
         grid.points(&methods()),
         |Point {
              method,
              vertices_a_side: n,
              steps_per_second: rate,
-         }| { format!("a drape by {method}, {n} vertices a side, 1/{rate} s") },
-        |point| drape(point.method, point.vertices_a_side, point.steps_per_second),
+         }| { format!("{scene} by {method}, {n} vertices a side, 1/{rate} s") },
+        |point| {
+            let [n, rate] = [point.vertices_a_side, point.steps_per_second];
+            follow(scene, point.method, n, rate)
+        },
     );
     for (_, row) in &mut rows {
         row.fall_over_converged = Some(Number(row.fall.0 / of_size));
     }
     let over =
-        |(point, row): &(Point, Draped)| (*point, [row.fall.0 / of_size, row.fall.0 / of_step]);
+        |(point, row): &(Point, Ended)| (*point, [row.fall.0 / of_size, row.fall.0 / of_step]);
     let falls: Vec<OverConverged> = rows.iter().map(over).collect();
     let work = curves(grid.by_step(&rows), |(point, row)| {
         let seconds = 1e-3 * row.ms_per_step.0 * Real::from(point.steps_per_second);
         (point.method, (seconds, (row.fall.0 / of_step - 1.0).abs()))
     });
     let fall = Axis::linear("fall over converged (dimensionless)");
-    let on_sphere = "The fall of a sheet on a sphere, steps of 1/60 s";
+    let by_size = format!("The fall of {scene}, steps of 1/60 s");
+    let by_step = format!("The same of {scene} on one mesh");
     let cost = Plot::new(
-        "What the error of the fall costs, steps of 1/30 s and finer",
+        format!("What the error of the fall costs, {scene}, steps of 1/30 s and finer"),
         Axis::log("time per simulated second (s)"),
         Axis::log("|fall over converged − 1| (dimensionless)"),
     );
     for (name, plot) in [
-        ("size", grid.plot_by_size(on_sphere, fall.clone(), &falls)),
-        (
-            "rate",
-            grid.plot_by_step("The same on one mesh", fall, &falls),
-        ),
+        ("size", grid.plot_by_size(&by_size, fall.clone(), &falls)),
+        ("rate", grid.plot_by_step(&by_step, fall, &falls)),
         ("work", cost.with(work)),
     ] {
         let plot = plot.note("Converged is BDF2 with the shortest step.");
-        study.findings.plot(&format!("contact-{name}"), &plot);
+        let name = format!("contact-{scene}-{name}");
+        study.findings.plot(&name, &plot);
     }
-    study.findings.table(
-        "contact-drape",
-        &format!("A sheet of 1 m × 1 m on a sphere of 0.3 m after {SECONDS} s, every method at its default"),
-        Table::of(&rows),
-    );
-    let told = methods().into_iter().map(|method| {
-        let [by_size, by_step] = grid.ranges(method, &falls);
-        format!("{method} {by_size} over all meshes, {by_step} over all steps")
-    });
-    study.findings.answer(
-        "Is it the same drape on every mesh and at every frame rate?",
-        format!(
-            "Fall of the centre of mass within {SECONDS} s over the converged one: {}.",
-            told.collect::<Vec<_>>().join("; ")
-        ),
-    );
+    Some((rows, falls))
 }

@@ -6,6 +6,7 @@ use crate::studies::prelude::*;
 use cloth_core::random::SplitMix64;
 use std::path::Path;
 
+const QUARTER: Real = std::f64::consts::FRAC_PI_2;
 /// Time of a run (s).
 const SECONDS: Real = 0.5;
 /// Part of the energy that was given which a cloth may hold beyond it.
@@ -56,9 +57,23 @@ pub fn scene_of(name: &str, n: u32, starts: &str) -> Result<Scene, BenchError> {
     let settings = Settings::of(starts);
     match name {
         "garment" => collision::garment(&format!("tube:{}x{n}", n / 2 * 2)),
+        "sleeve" => sleeve(n, &settings),
         "stack" => scene::build(name, None, &settings.with("n", n).with("sheets", 2)),
         _ => scene::build(name, None, &settings.with("n", n)),
     }
+}
+
+/// A tube that hangs around a capsule which is narrower, and which lies inside the polygon that the tube is at rest.
+fn sleeve(n: u32, settings: &Settings) -> Result<Scene, BenchError> {
+    let around = n / 2 * 2;
+    let top = 0.25 * (2.0 * QUARTER / Real::from(around)).cos();
+    let text = format!(
+        "[[mesh]]\ngenerator = \"tube:{around}x{n}\"\nrotate = [{QUARTER}, 0, 0]\n\
+        [[obstacle]]\nshape = \"capsule\"\nradius = 0.05\nlength = 1.2\nrotate = [{QUARTER}, 0, 0]\n\
+        position = [0, 0, {}]\n[contact]\nself = true\n",
+        top - 0.052
+    );
+    scene::file::build_text(Path::new("sleeve.toml"), &text, settings)
 }
 
 /// The same with a start that passes through itself. The garment has got a lining, which comes out on one side.
