@@ -1,6 +1,6 @@
 //! A strip that hangs over a cylinder: how friction holds it, and how it presses.
 
-use super::laws::{G, KAPPA, Measured, THICKNESS};
+use super::laws::{G, KAPPA, MU, Measured, THICKNESS};
 use crate::run::{Plan, Solver};
 use crate::studies::prelude::*;
 use cloth_collide::potential::ContactForces;
@@ -9,10 +9,12 @@ use std::path::Path;
 
 /// Radius of the cylinder (m), cells half-way around it, and areal density (kg/m²).
 const RADIUS: Real = 0.1;
-const TURNS: usize = 16;
+pub(super) const TURNS: usize = 16;
 const DENSITY: Real = 0.2;
 /// Force (N) at one end of the strip on every vertex, where the other one pulls harder and harder.
 const PULL: Real = 0.05;
+/// Height of the top above the free ends over the radius.
+const HEIGHT: Real = 3.0;
 /// A strip that goes so far (m) in so many steps slips: ten times what the friction of potentials, which is
 /// smooth, gives way.
 const SLIPPED: Real = 1e-3;
@@ -21,21 +23,24 @@ const WITHIN: usize = 5;
 const SETTLE: usize = 10;
 const GROWTH: Real = 4e-3;
 
-/// A strip one cell wide that lies around the upper half of a cylinder along y and hangs down on both sides.
+/// A strip one cell wide that lies on top of a cylinder along y and goes straight on, on both sides.
 struct Strip {
     scene: Scene,
-    /// Edge (m) along the strip, and cells that hang on each side.
+    /// Edge (m) along the strip, cells that go around the cylinder, and those that go straight on each side.
     side: Real,
+    turns: usize,
     tail: usize,
+    /// Where the strip leaves the cylinder on its right: the way on from there.
+    away: Vec3,
 }
 
 impl Strip {
-    fn new(tail: usize, friction: Real, gravity: Real) -> Result<Self, BenchError> {
+    fn new(turns: usize, tail: usize, friction: Real, gravity: Real) -> Result<Self, BenchError> {
         let turn = PI / TURNS as Real;
         // Vertices are at the thickness from the cylinder.
         let around = RADIUS + THICKNESS;
         let side = 2.0 * around * (0.5 * turn).sin();
-        let cells = TURNS + 2 * tail;
+        let cells = turns + 2 * tail;
         let length = side * cells as Real;
         let text = format!(
             "gravity = [0, 0, {:?}]\n[[mesh]]\ngenerator = \"grid:{}x2:alternating\"\nscale = {length:?}\n\
@@ -48,14 +53,25 @@ impl Strip {
         );
         let mut scene =
             scene::file::build_text(Path::new("strip.toml"), &text, &Settings::default())?;
+        let half = 0.5 * turns as Real;
+        let last = turn * half;
         for x in &mut scene.start.positions {
-            let number = (x.x / side).round() - tail as Real;
-            let turned = number.clamp(0.0, TURNS as Real);
+            // Cells from the top, to the right.
+            let number = (x.x / side).round() - 0.5 * cells as Real;
+            let turned = number.clamp(-half, half);
             let [sin, cos] = [(turn * turned).sin(), (turn * turned).cos()];
-            let below = side * (turned - number).abs();
-            *x = Vec3::new(-around * cos, x.y, around * sin - below);
+            let on = side * (number - turned);
+            let down = on.abs() * last.sin();
+            *x = Vec3::new(around * sin + on * last.cos(), x.y, around * cos - down);
         }
-        Ok(Self { scene, side, tail })
+        let away = Vec3::new(last.cos(), 0.0, -last.sin());
+        Ok(Self {
+            scene,
+            side,
+            turns,
+            tail,
+            away,
+        })
     }
 
     /// Vertices of a row across the strip, by its number from one end.
@@ -70,7 +86,7 @@ impl Strip {
     }
 
     fn cells(&self) -> usize {
-        TURNS + 2 * self.tail
+        self.turns + 2 * self.tail
     }
 
     /// The row on top.
@@ -79,34 +95,58 @@ impl Strip {
     }
 }
 
-/// The ratio of the forces at which the polygon of the strip slips: each of its corners turns by δ, the first and the
-/// last by half of that, and a corner that turns by 2 a bears (1 + μ tan a)/(1 − μ tan a).
-fn polygon(friction: Real) -> Real {
+/// The ratio of the forces at which the polygon of a strip slips that turns so many times: each of its corners turns by
+/// δ, the first and the last by half of that, and a corner that turns by 2 a bears (1 + μ tan a)/(1 − μ tan a).
+fn polygon(turns: usize, friction: Real) -> Real {
     let corner = |half: Real| (1.0 + friction * half.tan()) / (1.0 - friction * half.tan());
     let half = 0.5 * PI / TURNS as Real;
-    corner(half).powi(TURNS as i32 - 1) * corner(0.5 * half).powi(2)
+    corner(half).powi(turns as i32 - 1) * corner(0.5 * half).powi(2)
 }
 
-/// e^{μπ}.
+/// e^{μθ} half-way around, θ = π.
 pub(super) fn capstan(friction: Real) -> Real {
     (friction * PI).exp()
 }
 
-/// The ratio of the forces at both ends at which a strip without weight slips on the cylinder, the force at one end
-/// growing slowly, infinite if it holds at one and a half times that of its polygon, which is expected.
+/// e^{μθ} with the coefficient of friction of the other laws.
+pub(super) fn wrap(degrees: Real) -> Real {
+    (MU * degrees.to_radians()).exp()
+}
+
+/// The ratio of the forces at both ends at which a strip slips that goes half-way around.
 ///
 /// # Errors
 /// [`BenchError::Failed`] with the method's own error.
 pub fn slipping(name: &str, friction: Real) -> Result<Measured, BenchError> {
-    let strip = Strip::new(6, friction, 0.0)?;
+    slip(name, TURNS, friction)
+}
+
+/// The same of a strip that goes around by so many degrees, of which a cell takes 11.25.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn wrapping(name: &str, degrees: Real) -> Result<Measured, BenchError> {
+    slip(name, turns_of(degrees), MU)
+}
+
+fn turns_of(degrees: Real) -> usize {
+    (degrees / 180.0 * TURNS as Real).round() as usize
+}
+
+/// The ratio of the forces at both ends at which a strip without weight slips on the cylinder, the force at one end
+/// growing slowly, infinite if it holds at one and a half times that of its polygon, which is expected.
+fn slip(name: &str, turns: usize, friction: Real) -> Result<Measured, BenchError> {
+    let strip = Strip::new(turns, 6, friction, 0.0)?;
     let scene = &strip.scene;
     let (ends, top) = ([strip.row(0), strip.row(strip.cells())], strip.top());
+    let mirrored = Vec3::new(-strip.away.x, 0.0, strip.away.z);
+    let ways = [mirrored, strip.away];
     let method = Method::find(name)?;
     let mut stepper = method.build(scene, &method.by_default(Settings::default()), scene.dt)?;
     let mut contacts = scene.contacts()?;
     let mut state = scene.start.clone();
     let mut load = vec![Vec3::zeros(); state.positions.len()];
-    let expected = polygon(friction);
+    let expected = polygon(turns, friction);
     let mut from = [Vec3::zeros(); WITHIN];
     let (mut ratio, mut step) = (1.0, 0);
     while ratio < 1.5 * expected {
@@ -114,8 +154,8 @@ pub fn slipping(name: &str, friction: Real) -> Result<Measured, BenchError> {
         if step >= SETTLE {
             ratio += GROWTH * expected;
         }
-        for (end, pull) in ends.iter().zip([PULL, PULL * ratio]) {
-            end.iter().for_each(|&v| load[v] = Vec3::z() * -pull);
+        for ((end, way), pull) in ends.iter().zip(ways).zip([PULL, PULL * ratio]) {
+            end.iter().for_each(|&v| load[v] = way * pull);
         }
         let mut input = StepInput::new(scene.dt).load(&load);
         if let Some(contacts) = &mut contacts {
@@ -165,22 +205,42 @@ pub(super) fn top_pressure(height_over_radius: Real) -> Real {
     1.0 + height_over_radius
 }
 
+/// H/R − 1 + 2 cos φ at an angle from the top, H = 3 R.
+pub(super) fn side_pressure(degrees: Real) -> Real {
+    HEIGHT - 1.0 + 2.0 * degrees.to_radians().cos()
+}
+
 /// The pressure on top of the cylinder over that of the weight alone, of a strip that hangs down without friction so
 /// that its ends are so many radii below its top. Expected is that of the height that its cells come to.
 ///
 /// # Errors
 /// [`BenchError::Failed`] with the method's own error.
 pub fn pressing(name: &str, height_over_radius: Real) -> Result<Measured, BenchError> {
+    press(name, height_over_radius, 0)
+}
+
+/// The same at an angle from the top, of a strip that hangs down by three radii.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn pressing_at(name: &str, degrees: Real) -> Result<Measured, BenchError> {
+    press(name, HEIGHT, turns_of(degrees))
+}
+
+fn press(name: &str, height_over_radius: Real, cells: usize) -> Result<Measured, BenchError> {
     let around = RADIUS + THICKNESS;
     let side = 2.0 * around * (0.5 * PI / TURNS as Real).sin();
     let tail = ((height_over_radius - 1.0) * around / side).round();
-    let strip = Strip::new(tail as usize, 0.0, G)?;
-    let (scene, top) = (&strip.scene, strip.top());
-    let force = mean_force(scene, name, 60, |forces| {
-        top.iter().map(|&v| forces.normal[v].z).sum()
+    let strip = Strip::new(TURNS, tail as usize, 0.0, G)?;
+    let angle = cells as Real * PI / TURNS as Real;
+    let outwards = Vec3::new(angle.sin(), 0.0, angle.cos());
+    let row = strip.row(strip.cells() / 2 + cells);
+    let force = mean_force(&strip.scene, name, 60, |forces| {
+        row.iter().map(|&v| forces.normal[v].dot(&outwards)).sum()
     })?;
+    let height = (around + tail * side) / around;
     Ok(Measured {
-        expected: Number(top_pressure((around + tail * side) / around)),
+        expected: Number(height - 1.0 + 2.0 * angle.cos()),
         measured: Number(force / (side * side * DENSITY * G)),
     })
 }

@@ -6,10 +6,12 @@ use crate::studies::prelude::*;
 /// Acceleration of free fall (m/s²).
 pub(super) const G: Real = 9.81;
 /// Coefficient of friction.
-const MU: Real = 0.3;
+pub(super) const MU: Real = 0.3;
 /// Thickness (m) and stiffness (Pa/m) of contact, the defaults of scenes.
 pub(super) const THICKNESS: Real = 2e-3;
 pub(super) const KAPPA: Real = 1e6;
+/// Areal density (kg/m²) at which meshes are compared.
+const HEAVY: Real = 20.0;
 /// Steps of 1/60 s that a sheet slides, and within which it settles.
 const SLIDE: u32 = 30;
 const SETTLE: u32 = 40;
@@ -43,11 +45,11 @@ fn densities(scope: Scope) -> &'static [Real] {
     scope.pick(&[0.2, 20.0], &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0])
 }
 
-/// A sheet above a floor, at the gap (m), under gravity that is inclined by an angle (rad).
-fn sheet(density: Real, angle: Real, gap: Real) -> Result<Scene, BenchError> {
+/// A sheet of `n` vertices a side above a floor, at the gap (m), under gravity that is inclined by an angle (rad).
+fn sheet(n: u32, density: Real, angle: Real, gap: Real) -> Result<Scene, BenchError> {
     let floor = gap - 2.0 * THICKNESS;
     let settings = Settings::of(&format!(
-        "n=9 density={density} friction={MU} thickness={THICKNESS} contact_stiffness={KAPPA} floor={floor}"
+        "n={n} density={density} friction={MU} thickness={THICKNESS} contact_stiffness={KAPPA} floor={floor}"
     ));
     let mut scene = scene::build("drop", None, &settings)?;
     scene.gravity = Vec3::new(angle.sin(), 0.0, -angle.cos()) * G;
@@ -80,7 +82,7 @@ pub struct Measured {
 pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     let angle = degrees.to_radians();
     let density = 0.2;
-    let scene = sheet(density, angle, gap(density, angle))?;
+    let scene = sheet(9, density, angle, gap(density, angle))?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let (_, end) = run::from_start(&scene, method, &settings, scene.dt, SLIDE, |_, _, _| Ok(()))?;
@@ -96,12 +98,24 @@ pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     })
 }
 
-/// The gap (m) at which a sheet comes to rest.
+/// The gap (m) at which a sheet of an areal density (kg/m²) comes to rest.
 ///
 /// # Errors
 /// [`BenchError::Failed`] with the method's own error.
 pub fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
-    let scene = sheet(density, 0.0, THICKNESS)?;
+    settle(name, 9, density)
+}
+
+/// The same of one of 20 kg/m² with so many vertices a side.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn rest_at(name: &str, vertices_a_side: Real) -> Result<Measured, BenchError> {
+    settle(name, vertices_a_side as u32, HEAVY)
+}
+
+fn settle(name: &str, n: u32, density: Real) -> Result<Measured, BenchError> {
+    let scene = sheet(n, density, 0.0, THICKNESS)?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let start = scene.start.positions.iter().map(|x| x.z).sum::<Real>();
@@ -123,7 +137,7 @@ pub fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
 
 pub(super) fn run(study: &mut StudyRun<'_>) {
     let scope = study.scope;
-    let laws: [Law; 5] = [
+    let laws: [Law; 8] = [
         Law {
             name: "slide",
             title: "How far a sheet slides within 0.5 s down a slope, μ = 0.3",
@@ -143,6 +157,16 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             closed_form: |density| gap(density, 0.0),
             points: densities(scope),
             measure: rest,
+        },
+        Law {
+            name: "gap-size",
+            title: "The same of a sheet of 20 kg/m² on every mesh",
+            x: "vertices a side (dimensionless)",
+            y: "gap (m)",
+            exact: "h − ρ g/κ",
+            closed_form: |_| gap(HEAVY, 0.0),
+            points: scope.pick(&[3.0, 9.0], &[3.0, 5.0, 9.0, 17.0, 33.0]),
+            measure: rest_at,
         },
         Law {
             name: "stack",
@@ -165,6 +189,16 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             measure: cylinder::slipping,
         },
         Law {
+            name: "wrap",
+            title: "The same with μ = 0.3 by the angle of contact",
+            x: "angle of contact (°)",
+            y: "ratio (dimensionless)",
+            exact: "e^μθ",
+            closed_form: cylinder::wrap,
+            points: scope.pick(&[90.0], &[45.0, 90.0, 135.0, 180.0]),
+            measure: cylinder::wrapping,
+        },
+        Law {
             name: "pressure",
             title: "The pressure on top of a cylinder under a strip that hangs down on both sides, over that of its weight",
             x: "height of the top above the ends over the radius (dimensionless)",
@@ -173,6 +207,16 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             closed_form: cylinder::top_pressure,
             points: scope.pick(&[3.0], &[1.0, 2.0, 3.0, 4.0, 6.0]),
             measure: cylinder::pressing,
+        },
+        Law {
+            name: "pressure-side",
+            title: "The same beside the top, H = 3 R",
+            x: "angle from the top (°)",
+            y: "pressure over ρ g (dimensionless)",
+            exact: "H/R − 1 + 2 cos φ",
+            closed_form: cylinder::side_pressure,
+            points: scope.pick(&[45.0], &[0.0, 22.5, 45.0, 67.5]),
+            measure: cylinder::pressing_at,
         },
     ];
     let mut rows: Vec<Row> = Vec::new();

@@ -2,5 +2,6 @@
 
 mod cylinder;
 mod laws;
+mod meeting;
 mod step;
 mod survival;

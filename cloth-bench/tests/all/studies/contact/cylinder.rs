@@ -1,10 +1,11 @@
 //! Strips on a cylinder, and stacks on a floor.
 
-use cloth_bench::studies::contact::cylinder::{pressing, slipping, stack};
+use cloth_bench::studies::contact::cylinder::{pressing, pressing_at, slipping, stack, wrapping};
 use cloth_bench::studies::contact::laws::Measured;
 
-/// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. Friction of
-/// implicit Euler to 1e-3 lets go later than that; position-based dynamics with one substep does not.
+/// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. A tolerance is a
+/// part of all forces, which at the ends are thousands of times what moves the strip: implicit Euler to 1e-3 lets go
+/// late (1.2 % to 1e-5), one linear solve a step later, projective dynamics, by chance, up to 4 %; position-based dynamics with one substep does not let go.
 #[test]
 fn strips_slip_at_the_ratio_of_their_polygon() {
     for name in [
@@ -17,10 +18,11 @@ fn strips_slip_at_the_ratio_of_their_polygon() {
     ] {
         let Measured { expected, measured } = slipping(name, 0.3).unwrap();
         let over = measured.0 / expected.0 - 1.0;
-        let most = if name == "implicit-euler" {
-            0.07
-        } else {
-            0.035
+        let most = match name {
+            "implicit-euler" => 0.07,
+            "linear-implicit" => 0.25,
+            "pd" => 0.05,
+            _ => 0.035,
         };
         assert!((0.0..most).contains(&over), "{name}: {over}");
     }
@@ -65,5 +67,32 @@ fn floors_bear_the_weight_of_stacks() {
         let Measured { expected, measured } = stack(name, 3.0).unwrap();
         let error = (measured.0 / expected.0 - 1.0).abs();
         assert!(error < most, "{name}: {error}");
+    }
+}
+
+/// What is said above of half a turn, at other angles.
+#[test]
+fn strips_slip_and_press_as_far_around_as_they_go() {
+    for (name, most_ratio, most_pressure) in [
+        ("symplectic-euler", 0.035, 3e-3),
+        ("bdf2", 0.035, 1.1e-2),
+        ("linear-implicit", 0.18, 3e-3),
+        ("pd", 0.05, 5e-3),
+        ("xpbd", 0.035, 3e-3),
+        ("implicit-euler", 0.07, 4e-3),
+    ] {
+        for degrees in [45.0, 90.0, 135.0] {
+            let Measured { expected, measured } = wrapping(name, degrees).unwrap();
+            let over = measured.0 / expected.0 - 1.0;
+            assert!(
+                (0.0..most_ratio).contains(&over),
+                "{name}, {degrees}°: {over}"
+            );
+        }
+        for degrees in [22.5, 45.0, 67.5] {
+            let Measured { expected, measured } = pressing_at(name, degrees).unwrap();
+            let error = (measured.0 / expected.0 - 1.0).abs();
+            assert!(error < most_pressure, "{name}, {degrees}°: {error}");
+        }
     }
 }

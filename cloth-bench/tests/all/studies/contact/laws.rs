@@ -1,6 +1,6 @@
 //! Sheets that slide and rest, against closed forms.
 
-use cloth_bench::studies::contact::laws::{Measured, methods, rest, slide};
+use cloth_bench::studies::contact::laws::{Measured, methods, rest, rest_at, slide};
 
 /// Below the angle of friction a sheet stays, but for the 12 µm by which the spring that holds it is stretched.
 /// Heavy cloth in the many substeps of XPBD still swings about its gap.
@@ -24,6 +24,18 @@ fn every_method_slides_and_rests_as_the_closed_forms_say() {
                 error < most,
                 "{name}, {density} kg/m²: {measured:?} {expected:?}"
             );
+        }
+    }
+}
+
+/// Cells have nothing to do with the gap.
+#[test]
+fn sheets_rest_at_the_same_gap_on_every_mesh() {
+    for name in methods() {
+        for n in [3.0, 17.0] {
+            let Measured { expected, measured } = rest_at(name, n).unwrap();
+            let error = (measured.0 - expected.0).abs();
+            assert!(error < 5e-7, "{name}, {n}: {measured:?} {expected:?}");
         }
     }
 }

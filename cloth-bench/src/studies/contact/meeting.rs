@@ -1,0 +1,78 @@
+//! Two sheets that meet in free flight: contact gives one what it takes from the other.
+
+use super::laws::{THICKNESS, methods};
+use crate::studies::prelude::*;
+use std::path::Path;
+
+/// Two sheets that are to meet.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Meeting {
+    method: &'static str,
+    #[serde(rename = "speed (m/s)")]
+    speed: Real,
+}
+
+/// Two sheets that have met.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Met {
+    /// Mean relative velocity along their normal at the end (m/s), below zero if they still near each other.
+    #[serde(rename = "velocity of parting (m/s)")]
+    pub parting: Number,
+    /// Change of the linear momentum over that of one sheet (dimensionless).
+    #[serde(rename = "drift of momentum")]
+    pub drift: Number,
+}
+
+/// Two sheets in free flight, each at half of a speed (m/s) towards the other, half a second after they could touch.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn meet(name: &str, speed: Real) -> Result<Met, BenchError> {
+    let text = format!(
+        "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\n\
+        [[mesh]]\ngenerator = \"grid:9x9:crossed\"\nscale = 0.9\ntranslate = [0.05, 0.05, 0.01]\n\
+        [contact]\nself = true\nthickness = {THICKNESS:?}\nfriction = 0\n"
+    );
+    let mut scene =
+        scene::file::build_text(Path::new("meeting.toml"), &text, &Settings::default())?;
+    let mass = scene.model.particles.mass().to_vec();
+    let lower = 81; // vertices
+    for (v, x) in scene.start.velocities.iter_mut().enumerate() {
+        x.z = if v < lower { 0.5 * speed } else { -0.5 * speed };
+    }
+    // (kg m/s) of the lower sheet and of the upper one.
+    let momentum = |velocities: &[Vec3]| {
+        let of = |sheet: std::ops::Range<usize>| -> Vec3 {
+            sheet.map(|v| velocities[v] * mass[v]).sum()
+        };
+        [of(0..lower), of(lower..mass.len())]
+    };
+    let method = Method::find(name)?;
+    let settings = method.by_default(Settings::default());
+    let steps = ((0.5 + 0.01 / speed) / scene.dt).round() as u32;
+    let (_, end) = run::from_start(&scene, method, &settings, scene.dt, steps, |_, _, _| Ok(()))?;
+    let before = momentum(&scene.start.velocities);
+    let after = momentum(&end.velocities);
+    let weights = [&mass[..lower], &mass[lower..]].map(|mass| mass.iter().sum::<Real>());
+    let gained = after[0] + after[1] - before[0] - before[1];
+    Ok(Met {
+        parting: Number(after[1].z / weights[1] - after[0].z / weights[0]),
+        drift: Number(gained.norm() / before[0].norm()),
+    })
+}
+
+/// Two sheets that meet in free flight, by every method.
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let speeds = [0.1, 1.0];
+    let of_method = |method| speeds.map(|speed| Meeting { method, speed });
+    let rows = study.grid_side_by_side(
+        methods().into_iter().flat_map(of_method),
+        |at| format!("sheets that meet with {} m/s by {}", at.speed, at.method),
+        |at| meet(at.method, at.speed),
+    );
+    study.findings.table(
+        "contact-meeting",
+        "Two sheets that meet in free flight, without friction: what is left of it in their bending may part them",
+        Table::of(&rows),
+    );
+}

@@ -1,0 +1,20 @@
+//! Sheets that meet.
+
+use cloth_bench::studies::contact::laws::methods;
+use cloth_bench::studies::contact::meeting::meet;
+
+/// Contact gives one sheet what it takes from the other, and they part, if at all, with what their bending has kept.
+#[test]
+fn sheets_that_meet_in_free_flight_keep_their_momentum() {
+    for name in methods() {
+        for speed in [0.1, 1.0] {
+            let met = meet(name, speed).unwrap();
+            let (parting, drift) = (met.parting.0, met.drift.0);
+            assert!(drift < 1e-10, "{name}, {speed} m/s: {drift:e}");
+            assert!(
+                (-0.005 * speed..0.49 * speed).contains(&parting),
+                "{name}, {speed} m/s: {parting}"
+            );
+        }
+    }
+}
