@@ -5,7 +5,8 @@ use cloth_bench::studies::contact::laws::Measured;
 
 /// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. A tolerance is a
 /// part of all forces, which at the ends are thousands of times what moves the strip: implicit Euler to 1e-3 lets go
-/// late (1.2 % to 1e-5), one linear solve a step later, projective dynamics, by chance, up to 4 %; position-based dynamics with one substep does not let go.
+/// late (1.2 % to 1e-5), one linear solve a step later, projective dynamics, by chance, up to 4 %; position-based
+/// dynamics with one substep does not let go.
 #[test]
 fn strips_slip_at_the_ratio_of_their_polygon() {
     for name in [
