@@ -33,7 +33,6 @@ use crate::components::FreeComponents;
 use crate::global::GlobalSystem;
 use crate::lattice::{Lattice, PaddedBlock};
 use crate::local::Projections;
-use cloth_core::contact::ContactRow;
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
@@ -48,13 +47,8 @@ use std::sync::Arc;
 pub(crate) struct CoarseGrid {
     multigrid: Multigrid,
     prolongation: Prolongation,
-    /// `Pᵀ H P` (N/m), with contacts where there are any, and its blocks without them.
+    /// `Pᵀ H P` (N/m).
     matrix: BlockMatrix,
-    without_contacts: Vec<Mat3>,
-    has_contacts: bool,
-    /// What contacts add to the diagonal block of a vertex (N/m), and of which vertices these are.
-    at_vertex: Vec<Mat3>,
-    touching: Vec<u32>,
     /// `Pᵀ M P` (kg), block by block.
     mass: Vec<Real>,
     /// The part of it that elements add (N/m).
@@ -123,10 +117,6 @@ impl CoarseGrid {
             solution: vec![Vec3::zeros(); place.len()],
             prolongation,
             stiffness: vec![PaddedBlock::default(); pattern.block_count()],
-            without_contacts: vec![Mat3::zeros(); pattern.block_count()],
-            has_contacts: false,
-            at_vertex: vec![Mat3::zeros(); particles.len()],
-            touching: Vec::new(),
             matrix,
             mass,
             is_ready: false,
@@ -162,39 +152,6 @@ impl CoarseGrid {
             let vertex = attachment.vertex as usize;
             for_each_pair(&self.prolongation, &pattern, vertex, |slot, weight| {
                 blocks[slot] += Mat3::from_diagonal_element(attachment.stiffness * weight);
-            });
-        }
-        self.without_contacts.copy_from_slice(self.matrix.blocks());
-        self.has_contacts = false;
-        self.is_ready = self.multigrid.refresh(&self.matrix);
-    }
-
-    /// Takes contacts into H: without them a correction would go through what is in the way. Of a contact of several
-    /// vertices the diagonal blocks are taken, made so large that they bound it: `J Jᵀ ≤ Σ|w| diag(|w|) n nᵀ`.
-    pub(crate) fn set_contacts(&mut self, rows: &[ContactRow]) {
-        if rows.is_empty() && !self.has_contacts {
-            return;
-        }
-        self.has_contacts = !rows.is_empty();
-        for row in rows {
-            let all: Real = row.weights.iter().map(|w| w.abs()).sum();
-            let stiffness = row.normal * row.normal.transpose() * (row.stiffness * all);
-            for (&vertex, weight) in row.vertices.iter().zip(row.weights) {
-                let own = &mut self.at_vertex[vertex as usize];
-                if weight != 0.0 && *own == Mat3::zeros() {
-                    self.touching.push(vertex);
-                }
-                *own += stiffness * weight.abs();
-            }
-        }
-        let pattern = Arc::clone(self.matrix.shared_pattern());
-        let blocks = self.matrix.blocks_mut();
-        blocks.copy_from_slice(&self.without_contacts);
-        for vertex in self.touching.drain(..) {
-            let own = std::mem::take(&mut self.at_vertex[vertex as usize]);
-            let vertex = vertex as usize;
-            for_each_pair(&self.prolongation, &pattern, vertex, |slot, weight| {
-                blocks[slot] += own * weight;
             });
         }
         self.is_ready = self.multigrid.refresh(&self.matrix);

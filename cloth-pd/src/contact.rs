@@ -1,15 +1,15 @@
-//! Contact in the quasi-Newton iteration: what it adds to the constant matrix.
+//! Contact in the iteration: what it adds to the Hessian, and to the constant matrix.
 //!
 //! The order of a step, C the contact potential:
 //! ```text
 //! begin: λ and planes of friction from x[0];  truncate the path from x[0] to the start     begin, limit_each
 //! so many times, at the iterate x:
 //!     k, J of the active contacts                                                          linearize
-//!     solve with A + Σ k J Jᵀ, pairs and coarse grid: a direction d                        below, quasi_newton.rs
+//!     solve with H + Σ k J Jᵀ, nearly: a direction d                                       newton.rs
 //!     scale d to the trust radius
 //!     detect on the path from x to x + d, truncate it vertex by vertex                     limit_each
 //!     line search on G + C along what is left                                              backtrack
-//!     where that fails: the same without pairs and grid, and one length for all            limit
+//!     where that fails: the same with A in the place of H, and one length for all          below, limit
 //! ```
 //! So candidates are detected in every iteration, for the path that is about to be taken, and `C`, `∇C` and the rows of
 //! the next iteration are evaluated over them. An accepted path has no intersection, so nothing passes through in
@@ -44,7 +44,8 @@ const RELATIVE_TOLERANCE: Real = 0.1;
 const MAX_ITERATIONS: u32 = 10;
 
 /// `A + Σ k J Jᵀ` with the contacts linearised at one iterate, for which no matrix is factorised: conjugate gradients
-/// preconditioned with the factor of A. As the contacts are few, or soft beside the cloth, three to six are enough.
+/// preconditioned with the factor of A. As the contacts are few, or soft beside the cloth, three to six are enough. For
+/// methods without pairs, and where a direction of Newton's method leads nowhere.
 #[derive(Debug)]
 pub(crate) struct ContactSystem {
     pub(crate) rows: Vec<ContactRow>,
@@ -145,12 +146,19 @@ impl ContactSystem {
 
     /// `product = (A + Σ k J Jᵀ) d`.
     fn multiply(&mut self) {
-        self.product.copy_from_slice(&self.times_matrix);
+        let mut product = std::mem::take(&mut self.product);
+        product.copy_from_slice(&self.times_matrix);
+        self.add_product(&self.direction, &mut product);
+        self.product = product;
+    }
+
+    /// Adds `Σ k J Jᵀ d` (N) to `out`, of d (m).
+    pub(crate) fn add_product(&self, d: &[Vec3], out: &mut [Vec3]) {
         for row in &self.rows {
-            row.add_product(&self.direction, &mut self.product);
+            row.add_product(d, out);
         }
         for row in self.global.rows() {
-            row.add_product(&self.direction, &mut self.product);
+            row.add_product(d, out);
         }
     }
 

@@ -15,6 +15,8 @@
 //! accepted one is the evaluation that the next iteration needs. So an iteration that does not backtrack costs as much
 //! as a plain one, and the products with the pairs.
 //!
+//! *In contact* the direction is that of `newton.rs`, and no pairs are kept.
+//!
 //! *Where it fails.* A direction that ascends, or twelve lengths in vain: the pairs are cleared, and −A⁻¹∇G is taken,
 //! without the coarse grid. With the whole matrix and no contact it lowers G by proof (`objective.rs`) and is not
 //! searched; with bending left out it is searched if G rises. In contact it always is; if that fails the step ends
@@ -56,6 +58,7 @@
 use crate::coarse::CoarseGrid;
 use crate::contact::{Contact, ContactSystem};
 use crate::global::GlobalSystem;
+use crate::newton::TruncatedNewton;
 use crate::objective::{Objective, Point};
 use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
@@ -105,6 +108,9 @@ pub(crate) struct QuasiNewton {
     /// Made in the first step with contact; and the fraction of its displacement that each vertex may take
     /// (dimensionless).
     contact_system: Option<ContactSystem>,
+    newton: Option<TruncatedNewton>,
+    /// Whether it has met a direction without curvature.
+    is_buckling: bool,
     fractions: Vec<Real>,
 }
 
@@ -122,6 +128,8 @@ impl QuasiNewton {
             radius: None,
             first_radius: 0.0,
             contact_system: None,
+            newton: None,
+            is_buckling: false,
             fractions: Vec::new(),
         }
     }
@@ -143,16 +151,16 @@ impl QuasiNewton {
         &mut self,
         objective: &mut Objective,
         global: &mut GlobalSystem,
-        mut coarse: Option<&mut CoarseGrid>,
+        coarse: Option<&mut CoarseGrid>,
         point: &mut Point,
         contact: &mut Contact<'_>,
     ) -> Result<Advance, ContactError> {
         self.linearize_contacts(objective, point, contact);
-        if let (Some(coarse), Some(system)) = (&mut coarse, &self.contact_system) {
-            coarse.set_contacts(&system.rows);
-        }
         let mut done = Advance {
-            solves: self.find_direction(global, coarse, point),
+            solves: match self.is_touching() {
+                true => self.find_newton_direction(objective, global, point),
+                false => self.find_direction(global, coarse, point),
+            },
             ..Advance::default()
         };
         self.decrement = match self.slope < 0.0 {
@@ -242,6 +250,37 @@ impl QuasiNewton {
         fraction < 1.0
     }
 
+    /// Whether a contact was active where the last iteration began, and directions are those of Newton's method.
+    pub(crate) fn is_touching(&self) -> bool {
+        let system = self.contact_system.as_ref();
+        self.requested > 0 && system.is_some_and(|system| !system.rows.is_empty())
+    }
+
+    /// Whether the last direction was cut short where the cloth buckles, so that its decrement says little.
+    pub(crate) fn is_buckling(&self) -> bool {
+        self.is_touching() && self.is_buckling
+    }
+
+    /// `direction` by [`TruncatedNewton`]; pairs do not go with it. Returns the number of global solves.
+    fn find_newton_direction(
+        &mut self,
+        objective: &mut Objective,
+        global: &mut GlobalSystem,
+        point: &Point,
+    ) -> u32 {
+        self.memory.clear();
+        let count = point.positions.len();
+        let newton = self
+            .newton
+            .get_or_insert_with(|| TruncatedNewton::new(count));
+        let contacts = self.contact_system.as_ref().expect("contacts are active");
+        let out = &mut self.direction;
+        let (solves, is_convex) = newton.find(objective, global, contacts, point, out);
+        self.is_buckling = !is_convex;
+        self.slope = dot(&point.gradient, &self.direction);
+        solves
+    }
+
     /// Linearises the contacts at the point.
     pub(crate) fn linearize_contacts(
         &mut self,
@@ -329,11 +368,13 @@ impl QuasiNewton {
     ) -> u32 {
         let mut solves = 0;
         let contact_system = &mut self.contact_system;
+        // The grid knows nothing of contacts.
+        let is_touched = contact_system.as_ref().is_some_and(|s| !s.rows.is_empty());
         let first_inverse = |r: &[Vec3], z: &mut [Vec3]| {
             let direct = &mut *z;
             let mut solve = || solves = solve(contact_system, global, r, direct);
             match coarse {
-                Some(coarse) if coarse.is_ready() => {
+                Some(coarse) if coarse.is_ready() && !is_touched => {
                     join(r.len(), solve, || coarse.solve(r));
                     coarse.add_correction(z);
                 }

@@ -48,6 +48,7 @@ mod settings;
 mod stops;
 mod studies;
 mod tangled;
+mod towel;
 mod untangle;
 mod user_forces;
 mod volume;

@@ -68,6 +68,16 @@ impl PdSolver {
         method.decrement() <= enough && gain <= SPAN as Real * enough
     }
 
+    /// Whether the last direction was one of Newton's method.
+    pub(super) fn is_newton(&self) -> bool {
+        matches!(&self.method, Method::QuasiNewton(method) if method.is_touching())
+    }
+
+    /// Whether it met a direction without curvature.
+    pub(super) fn is_buckling(&self) -> bool {
+        matches!(&self.method, Method::QuasiNewton(method) if method.is_buckling())
+    }
+
     /// Whether a contact was active where the last iteration began.
     pub(super) fn has_contact(&self) -> bool {
         match &self.method {

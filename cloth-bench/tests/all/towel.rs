@@ -1,0 +1,59 @@
+//! A towel on a rail and a poncho-like sheet at rest: what friction does not hold slides, and what lies presses with
+//! its weight.
+
+use crate::scene_text::scene;
+use cloth_bench::method::Method;
+use cloth_bench::run::{self, Plan, Solver};
+use cloth_bench::settings::Settings;
+
+/// A towel that hangs over a rail, 0.6 m on one side and 0.4 m on the other, above a floor.
+const TOWEL: &str = "[[mesh]]\ngenerator = \"grid:41x17:alternating\"\ntranslate = [-0.4, -0.2, 0.026]\n\
+    scale = [1, 0.4, 1]\n[cloth]\ndensity = 0.35\n\
+    [[obstacle]]\nshape = \"capsule\"\nradius = 0.02\nlength = 0.8\nrotate = [1.5707963267948966, 0, 0]\n\
+    [[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -1]\n\
+    [contact]\nself = true\nthickness = 0.004\nfriction = 0\n";
+
+/// Without friction nothing holds it: after three seconds it lies on the floor, folded as it happens to fall.
+#[test]
+fn towels_slide_off_a_rail_without_friction() {
+    let scene = scene("towel", TOWEL);
+    for name in ["pd", "implicit-euler"] {
+        let method = Method::find(name).unwrap();
+        let settings = Settings::default();
+        let (end, _) =
+            run::from_start(&scene, method, &settings, scene.dt, 180, |_, _, _| Ok(())).unwrap();
+        let fall = end.center_of_mass_drop;
+        assert!((fall - 1.022).abs() < 1e-2, "{name}: {fall}");
+    }
+}
+
+/// A sheet that has come to rest on a ball presses with its weight, on average over half a second.
+#[test]
+fn sheets_at_rest_on_a_ball_press_with_their_weight() {
+    let text = "[[mesh]]\ngenerator = \"grid:25x25:crossed\"\nscale = 0.5\ntranslate = [-0.25, -0.25, 0.105]\n\
+        [cloth]\ndensity = 0.25\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\n\
+        [contact]\nself = true\nthickness = 0.004\nfriction = 0.4\n";
+    let scene = scene("rest", text);
+    let weight = 9.81 * scene.model.particles.mass().iter().sum::<f64>();
+    for name in ["pd", "implicit-euler"] {
+        let method = Method::find(name).unwrap();
+        let settings = Settings::default();
+        let mut solver = Solver::new(method, &settings, &scene, scene.dt).unwrap();
+        let mut state = scene.start.clone();
+        let plan = Plan {
+            forces: true,
+            ..Plan::new(scene.dt, 150)
+        };
+        let mut pressed = 0.0;
+        run::run_changing(&scene, &mut solver, &mut state, plan, |moment| {
+            let late = moment.forces.filter(|_| moment.step > 120);
+            pressed -= late.map_or(0.0, |forces| {
+                forces.bodies.iter().map(|body| body.force.z).sum::<f64>()
+            });
+            Ok(())
+        })
+        .unwrap();
+        let share = pressed / 30.0 / weight;
+        assert!((share - 1.0).abs() < 0.01, "{name}: {share}");
+    }
+}
