@@ -158,11 +158,11 @@ impl Scene {
         self.model.stitches().any(changes)
     }
 
-    /// What pulls the cloth apart during a run, if the scene wants that.
+    /// What pulls the cloth of `contacts` apart during a run, if the scene wants that.
     #[must_use]
-    pub fn untangler(&self) -> Option<StepUntangler> {
-        let touch = self.touch.as_ref().zip(self.mesh.as_ref());
-        touch.and_then(|(touch, mesh)| touch.untangler(mesh))
+    pub fn untangler(&self, contacts: &PotentialContacts) -> Option<StepUntangler> {
+        let wanted = self.touch.as_ref().filter(|touch| touch.untangles());
+        wanted.and_then(|_| StepUntangler::new(contacts))
     }
 
     /// Whether there is anything that the cloth can touch.

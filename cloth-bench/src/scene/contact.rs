@@ -8,7 +8,6 @@ use crate::error::BenchError;
 use crate::settings::{Choice, Range::*, Settings, Table};
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
-use cloth_collide::untangle::StepUntangler;
 use cloth_collide::{BroadPhaseKind, SeparationProbe};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
@@ -32,8 +31,8 @@ crate::settings! {
             "coefficient of restitution: what hits something leaves it with this part of its speed; with explicit \
              methods, pbd and xpbd; none: with what contact has stored and the method has not damped";
         untangle: bool = "no",
-            "whether the cloth may pass through itself at the start: yes (those pairs are let go, and pulled apart \
-             during the run) or no (that is refused)";
+            "whether the cloth may pass through itself and through bodies at the start: yes (those pairs are let go, \
+             and pulled apart during the run) or no (that is refused)";
         pinched: Pinched = "pass",
             "cloth to which bodies leave no free way: pass (through one of them, until it is out again) or refuse (the \
              run ends there)";
@@ -176,14 +175,13 @@ impl ContactSetup {
         };
         let highest_frequency = free_bodies.iter().map(frequency).fold(0.0, Real::max);
         let self_collision = *own.collides;
-        if !self_collision {
-            own.untangle
-                .refuse_without("a cloth that can touch itself (self=yes)")?;
-        }
         // Planes alone have no triangles to be found.
-        if is_on && !self_collision && animated.is_empty() && shapes.iter().all(|shape| !shape.1) {
-            own.broad_phase
-                .refuse_without("triangles to touch (self=yes, or a body that is no plane)")?;
+        if !self_collision && animated.is_empty() && shapes.iter().all(|shape| !shape.1) {
+            let what = "triangles to touch (self=yes, or a body that is no plane)";
+            own.untangle.refuse_without(what)?;
+            if is_on {
+                own.broad_phase.refuse_without(what)?;
+            }
         }
         if is_on && shapes.is_empty() && animated.is_empty() {
             own.pinched.refuse_without("an obstacle")?;
@@ -245,15 +243,9 @@ impl ContactSetup {
         self.restitution.is_some() && !self.is_idle()
     }
 
-    /// Whether a cloth that passes through itself at the start is pulled apart.
+    /// Whether a cloth that is tangled at the start is pulled apart.
     pub(super) fn untangles(&self) -> bool {
-        self.untangles
-    }
-
-    /// Whether pieces may pass through each other that untangling would pull apart.
-    pub(super) fn excludes_and_untangles(&self) -> bool {
-        let excludes = |pieces: &PieceContact| !pieces.excluded.is_empty();
-        self.untangles && self.pieces.as_ref().is_some_and(excludes)
+        self.untangles && !self.is_idle()
     }
 
     /// What resolves contact of the cloth `mesh`, with pairs of vertices that are `sewn` together; nothing where there
@@ -309,12 +301,6 @@ impl ContactSetup {
             Some(pieces) => probe.exclude(pieces.piece.clone(), pieces.excluded.clone()),
             None => probe,
         }
-    }
-
-    /// What pulls the cloth `mesh` apart during a run, if that is wanted.
-    #[must_use]
-    pub fn untangler(&self, mesh: &TriMesh) -> Option<StepUntangler> {
-        (self.untangles && !self.is_idle()).then(|| StepUntangler::new(mesh))
     }
 
     /// Whether the cloth can push the obstacle of this number.

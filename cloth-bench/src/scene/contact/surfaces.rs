@@ -81,6 +81,23 @@ impl ContactSetup {
         rigid.chain(animated)
     }
 
+    /// The body of a triangle, and which of its own it is, in words; counted from 0 through the triangles of those
+    /// bodies that have edges, in the order of [`ContactSetup::body_numbers`].
+    #[must_use]
+    pub(crate) fn body_triangle(&self, triangle: usize) -> Option<String> {
+        let rigid = self.shapes.iter().map(|(shape, needed)| (shape, *needed));
+        let animated = self.animated.iter().map(|(shape, ..)| (shape, true));
+        let mut first = 0;
+        for ((shape, _), number) in rigid.chain(animated).zip(&self.numbers).filter(|b| b.0.1) {
+            let next = first + shape.triangle_count();
+            if triangle < next {
+                return Some(format!("{} of obstacle {}", triangle - first, number + 1));
+            }
+            first = next;
+        }
+        None
+    }
+
     /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without
     /// a sign from the triangles of an animated one. None where there are no bodies.
     #[must_use]
