@@ -176,7 +176,9 @@ impl Scene {
     #[must_use]
     pub fn fall(&self) -> Real {
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
-        let farthest = touch.flat_map(ContactSetup::obstacles).map(|obstacle| {
+        let obstacles = touch.flat_map(ContactSetup::obstacles);
+        let obstacles = obstacles.filter(|o| o.shape().error_bound() < Real::INFINITY);
+        let farthest = obstacles.map(|obstacle| {
             let clearance = |&x: &Vec3| obstacle.signed_distance(x, 0.0).value;
             let places = self.start.positions.iter();
             places.map(clearance).fold(Real::INFINITY, Real::min)

@@ -181,9 +181,8 @@ impl World<'_> {
     /// Whether two triangles should not meet.
     fn counts(&self, corners: [[u32; 3]; 2]) -> bool {
         let is_free = |&v: &u32| self.inverse_mass[v as usize] > 0.0;
-        self.contacts.is_none_or(|contacts| {
-            contacts.part(corners, corners.iter().flatten().any(is_free))
-        })
+        self.contacts
+            .is_none_or(|contacts| contacts.part(corners, corners.iter().flatten().any(is_free)))
     }
 
     /// Whether a vertex is inside of a body that has an inside.
@@ -410,7 +409,11 @@ impl Untangler {
         if !self.pieces.divide(self.contour.crossings(), is_inside) {
             return Ok(false);
         }
-        let is_body = |v| world.contacts.is_some_and(|contacts| contacts.body_of(v).is_some());
+        let is_body = |v| {
+            world
+                .contacts
+                .is_some_and(|contacts| contacts.body_of(v).is_some())
+        };
         self.pieces.push(positions, is_body, &mut self.gradient);
         self.scale(world.inverse_mass);
         if world.contacts.is_some() {

@@ -9,7 +9,7 @@ use crate::memory;
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
 use crate::run::{Moment, Plan, SeparationWatch, Solver, crossing_warnings, run_changing};
-use crate::scene::{self, Scene, SceneInfo};
+use crate::scene::{self, ContactSetup, Scene, SceneInfo};
 use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use clap::Args;
@@ -213,6 +213,9 @@ fn simulate(
     let mut table = arguments.forces.is_some().then(ForcesTable::default);
     let bar = progress_bar(steps);
     let mut tangles = TangleProgress::default();
+    for note in scene.touch.iter().flat_map(ContactSetup::notes) {
+        eprintln!("note: {note}");
+    }
     let mut state = scene.start.clone();
     let mut watch = arguments
         .watch
@@ -401,7 +404,8 @@ impl TangleProgress {
     /// A line about what was found before a step, if it is worth one.
     fn line(&mut self, step: u32, found: CrossingPairs) -> Option<String> {
         let count = found.count();
-        if self.fewest.is_some_and(|fewest| fewest <= count) || count == 0 && self.fewest.is_none() {
+        if self.fewest.is_some_and(|fewest| fewest <= count) || count == 0 && self.fewest.is_none()
+        {
             return None;
         }
         self.fewest = Some(count);
@@ -409,7 +413,9 @@ impl TangleProgress {
         let after = step - 1;
         Some(match count {
             0 => format!("after {after} steps: untangled"),
-            _ => format!("after {after} steps: {own} crossing pairs of the cloth with itself, {bodies} with bodies"),
+            _ => format!(
+                "after {after} steps: {own} crossing pairs of the cloth with itself, {bodies} with bodies"
+            ),
         })
     }
 }

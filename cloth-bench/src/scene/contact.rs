@@ -74,6 +74,8 @@ pub(super) enum Body {
         is_flat: bool,
         /// Coefficient of friction of its own (dimensionless).
         friction: Option<Real>,
+        /// Why it has no inside, if it has none.
+        why_hollow: Option<String>,
     },
     /// A surface that changes its shape, and its coefficient of friction.
     Animated(TriMesh, AnimatedMesh, Option<Real>),
@@ -126,6 +128,8 @@ pub struct ContactSetup {
     animated: Vec<(TriMesh, AnimatedMesh, Real)>,
     /// Numbers of the obstacles, and of the animated surfaces behind them, in the scene, from 0.
     numbers: Vec<usize>,
+    /// What a user should know of the bodies.
+    notes: Vec<String>,
     /// Whether the common coefficient of friction is that of anything.
     is_common_friction_felt: bool,
     pub(super) pieces: Option<PieceContact>,
@@ -141,7 +145,7 @@ impl ContactSetup {
             .map_err(|error| settings.blame([], error))?;
         let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut obstacles, mut frictions) = (Vec::new(), Vec::new());
+        let (mut obstacles, mut frictions, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         let (mut rigid_numbers, mut animated_numbers) = (Vec::new(), Vec::new());
         let mut is_common_friction_felt = *own.collides;
         let mut friction_of = |own: Option<Real>| {
@@ -156,7 +160,12 @@ impl ContactSetup {
                     free,
                     is_flat,
                     friction,
+                    why_hollow,
                 } => {
+                    notes.extend(why_hollow.map(|why| {
+                        let place = number + 1;
+                        format!("obstacle {place} has no inside, since {why}: its triangles alone keep the cloth off")
+                    }));
                     frictions.push(friction_of(friction));
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
                     rigid_numbers.push(number);
@@ -212,6 +221,7 @@ impl ContactSetup {
             highest_frequency,
             animated,
             numbers: [rigid_numbers, animated_numbers].concat(),
+            notes,
             is_common_friction_felt,
             pieces: None,
         })
@@ -331,6 +341,11 @@ impl ContactSetup {
     #[must_use]
     pub fn body_numbers(&self) -> &[usize] {
         &self.numbers
+    }
+
+    /// What a user should know of the bodies, a sentence each.
+    pub fn notes(&self) -> impl Iterator<Item = &str> + '_ {
+        self.notes.iter().map(String::as_str)
     }
 
     /// Distance to keep (m).

@@ -294,7 +294,11 @@ impl PotentialContacts {
     pub(crate) fn lead_out(&self, x: &mut [Vec3], inverse_mass: &[Real], most: Real) {
         let Contacts { near, bodies, .. } = &self.contacts;
         for (number, (body, _)) in bodies.iter().enumerate() {
-            for v in near.pinched.vertices(number).filter(|&v| inverse_mass[v] > 0.0) {
+            for v in near
+                .pinched
+                .vertices(number)
+                .filter(|&v| inverse_mass[v] > 0.0)
+            {
                 let at = body.signed_distance(x[v], 0.0);
                 if at.value <= 0.0 {
                     x[v] += at.normal * (near.law_at(v).range() - at.value).min(most);

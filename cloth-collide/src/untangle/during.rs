@@ -1,6 +1,6 @@
 //! Untangling in the course of a simulation.
 
-use super::{World, SMOOTHINGS, Untangler, WORTHWHILE};
+use super::{SMOOTHINGS, Untangler, WORTHWHILE, World};
 use crate::error::CollideError;
 use crate::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactSource};
@@ -124,7 +124,12 @@ impl StepUntangler {
         if count < fewest {
             self.best = Some((count, self.steps));
         }
-        let since = self.steps - if count < fewest { self.steps } else { best_step };
+        let since = self.steps
+            - if count < fewest {
+                self.steps
+            } else {
+                best_step
+            };
         self.steps += 1;
         self.start.copy_from_slice(positions);
         if count == 0 {
@@ -255,7 +260,11 @@ impl StepUntangler {
                 false => 0,
             };
         }
-        for first in contour.meeting.iter().map(|pair| pair.map(|t| corners(t)[0])) {
+        for first in contour
+            .meeting
+            .iter()
+            .map(|pair| pair.map(|t| corners(t)[0]))
+        {
             let of = |v: u32| self.region[v as usize];
             match first.map(|v| contacts.body_of(v)) {
                 [None, None] => {

@@ -2,7 +2,7 @@
 
 use super::ContactSetup;
 use crate::error::BenchError;
-use cloth_collide::obstacle::Pose;
+use cloth_collide::obstacle::{Obstacle, Pose};
 use cloth_collide::{BodyProbe, distance_from_surface};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -99,17 +99,22 @@ impl ContactSetup {
     }
 
     /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without
-    /// a sign from the triangles of an animated one. None where there are no bodies.
+    /// a sign from the triangles of one without an inside. None where there are no bodies.
     #[must_use]
     pub fn min_clearance(&self, x: &[Vec3], time: Real) -> Option<Real> {
-        let rigid = self.obstacles().flat_map(|obstacle| {
+        let has_inside = |obstacle: &Obstacle| obstacle.shape().error_bound() < Real::INFINITY;
+        let rigid = self.obstacles().filter(|o| has_inside(o));
+        let rigid = rigid.flat_map(|obstacle| {
             let clearance = move |&x: &Vec3| obstacle.signed_distance(x, time).value;
             x.iter().map(clearance)
         });
-        let animated = self.surfaces(time).skip(self.obstacles.len());
-        let animated = animated
+        let own = self.obstacles().map(has_inside);
+        let hollow = self.surfaces(time).zip(own.chain(std::iter::repeat(false)));
+        let hollow = hollow.filter(|(_, has_inside)| !has_inside);
+        let hollow = hollow
+            .map(|(surface, _)| surface)
             .filter_map(|(positions, triangles)| distance_from_surface(x, &positions, triangles));
-        rigid.chain(animated).reduce(Real::min)
+        rigid.chain(hollow).reduce(Real::min)
     }
 
     /// What counts the triangles of the cloth `mesh` that go through bodies; nothing where no body has an edge.
