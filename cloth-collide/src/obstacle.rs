@@ -140,7 +140,8 @@ pub trait SignedDistance: Debug + Send + Sync {
         false
     }
 
-    /// How far φ may be from the distance to the surface (m), 0 if it is that, and infinite if there is no such distance.
+    /// How far φ may be from the distance to the surface (m), 0 if it is that, and infinite if there is no such
+    /// distance.
     fn error_bound(&self) -> Real {
         0.0
     }

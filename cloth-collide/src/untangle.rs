@@ -26,7 +26,10 @@
 //! had to: [`bring_back`] takes it back towards where it was as far as contact with a thickness lets it.
 //!
 //! A simulation need not wait for that. [`StepUntangler`] takes a few iterations before each step, and lets contact
-//! leave out the pairs that still cross, while all others keep their promise.
+//! leave out the pairs that still cross, while all others keep their promise. It also pulls the cloth out of bodies:
+//! these are meshes that do not move. A hand through a sleeve divides the surface of the arm, the smaller part has gone
+//! wrong, and the cloth that it goes through is pushed over it, with what is around. A part of the cloth that is inside
+//! of a closed body is never the right one. What such a push has moved loses its velocity against it.
 //!
 //! # Where shortening stalls
 //!
@@ -68,6 +71,8 @@
 //!
 //! # Limits
 //!
+//! - A contour that only just leads off a body at a rim of the cloth says little about the way, as for a hand that is
+//!   half in a sleeve and half beside it; such starts stall.
 //! - Held vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. Two
 //!   tubes or garments through each other from rim to rim stall: either side of each could be the inside. The positions
 //!   are then finite, and no more tangled than the report says.

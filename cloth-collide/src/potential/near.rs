@@ -172,7 +172,8 @@ impl Near {
         Ok(self.near_triangles().filter(crosses).count())
     }
 
-    /// Whether two triangles are kept apart unless they are let go: bodies do not touch each other, nor prescribed cloth.
+    /// Whether two triangles are kept apart unless they are let go: bodies do not touch each other, nor prescribed
+    /// cloth.
     pub(super) fn parts(&self, pair: [[u32; 3]; 2], is_free: bool) -> bool {
         let first = pair.map(|corners| corners[0]);
         let vertices = pair.as_flattened();

@@ -30,11 +30,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// the cloth and of the [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the
 /// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
-/// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside of bodies. The start of a step must be
-/// free of crossings; it is if the last step ended there, and if anything else has moved the cloth since, all near
-/// pairs of triangles are tested exactly, and crossing ones are [`ContactError::IntersectingStart`]. Not promised is
-/// anything of pairs that the builder was told to exclude or that are sewn together, of the cloth with itself without
-/// self-collision, and of pairs that cross at the start and are let go until they are apart.
+/// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside
+/// of bodies. The start of a step must be free of crossings; it is if the last step ended there, and if anything else
+/// has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are
+/// [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude or that
+/// are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and are let
+/// go until they are apart; nor of cloth that crosses a body then, before that body.
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
@@ -282,8 +283,8 @@ impl PotentialContacts {
         self.contacts.is_anew |= near.let_go.replace(region, pairs) | more;
     }
 
-    /// Where nothing crosses a body any more, with everything at `x` (m), and no vertex that passes through it is inside,
-    /// nothing passes through it any more. Returns how many vertices still do.
+    /// Where nothing crosses a body any more, with everything at `x` (m), and no vertex that passes through it is
+    /// inside, nothing passes through it any more. Returns how many vertices still do.
     pub(crate) fn release(&mut self, x: &[Vec3]) -> Result<usize, ContactError> {
         self.contacts.unpinch(x)?;
         Ok(self.pinched())

@@ -9,8 +9,8 @@ use cloth_core::topology::DisjointSets;
 /// Connected parts of the mesh, when the edges that pass through a triangle are taken away.
 ///
 /// Each connected mesh has a largest part outside of bodies, taken to be right, and the others are to go back through
-/// the surface that cut them off. This is the global analysis of Baraff et al. (2003), with the number of vertices for the size of a
-/// part.
+/// the surface that cut them off. This is the global analysis of Baraff et al. (2003), with the number of vertices for
+/// the size of a part.
 #[derive(Debug)]
 pub(super) struct Pieces {
     edges: Vec<[u32; 2]>,
