@@ -364,11 +364,11 @@ fn pieces_that_may_pass_through_each_other_are_left_alone() {
     );
     let scene = scene("excluded", &text);
     let mut all = SeparationProbe::new(scene.mesh.as_ref().unwrap());
-    for name in ["implicit-euler", "pd", "xpbd"] {
+    let tight: &[&str] = &["velocity_tolerance=1e-4", "most_iterations=3000"];
+    for (name, settings) in [("implicit-euler", &[][..]), ("pd", tight), ("xpbd", &[])] {
         let method = Method::find(name).unwrap();
-        let ran = from_start(&scene, method, &Settings::default(), 0.01, 40, |_, _, _| {
-            Ok(())
-        });
+        let settings = Settings::parse(settings).unwrap();
+        let ran = from_start(&scene, method, &settings, 0.01, 40, |_, _, _| Ok(()));
         let (summary, state) = ran.unwrap();
         assert!(summary.tangled_pairs[0] > 20, "{name}");
         assert!(summary.untangled_after.unwrap() > 0, "{name}");
