@@ -117,6 +117,7 @@ fn frames(criterion: &mut Criterion) {
             forces: None,
             held: 0.0,
             given: 0.0,
+            tangled: None,
         };
         let x = &state.positions;
         let bytes = size_of_val(&x[..]) + size_of_val(mesh.triangles());

@@ -1,5 +1,7 @@
 //! A mesh by name: a file, or a generator such as `grid:33x33:alternating`.
 
+mod tangled;
+
 use crate::error::BenchError;
 use crate::names;
 use crate::settings::{Choice, Value};
@@ -10,7 +12,7 @@ use cloth_core::mesh::{MeshError, TriMesh, io};
 use std::path::Path;
 
 /// The generators and how they are written, for `list`.
-pub const GENERATORS: [(&str, &str); 9] = [
+pub const GENERATORS: [(&str, &str); 10] = [
     (
         "grid:NxM:PATTERN",
         "N × M vertices, 1 m wide; PATTERN is one-way, alternating or crossed",
@@ -43,6 +45,10 @@ pub const GENERATORS: [(&str, &str); 9] = [
     (
         "holes:N:K",
         "N × N cells, alternating diagonals, 1 m × 1 m, with K × K square holes; A+B sets any two of these side by side",
+    ),
+    (
+        "tangled:GARMENT",
+        "one that passes through itself: layers, sleeve, lining, pocket, seams or rolled",
     ),
 ];
 
@@ -141,6 +147,20 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
             generate::torus(n, m, 0.5, 0.2)
         }
         "sphere" => generate::sphere(one()?, 0.5),
+        "tangled" => {
+            let [name] = arguments[..] else {
+                return Err(wrong());
+            };
+            match name {
+                "layers" => tangled::layers(0.01, 2e-3),
+                "sleeve" => tangled::sleeve(0.03),
+                "lining" => tangled::lining(0.2),
+                "pocket" => tangled::pocket(0.0),
+                "seams" => tangled::seams(),
+                "rolled" => tangled::rolled(),
+                _ => return Err(wrong()),
+            }
+        }
         "holes" => match arguments[..] {
             [cells, holes] => with_holes(
                 cells.parse().map_err(|_| wrong())?,

@@ -6,6 +6,7 @@ mod load;
 mod parts;
 mod solver;
 mod timed;
+mod untangling;
 mod watch;
 
 pub use crossings::crossing_warnings;
@@ -17,9 +18,8 @@ use crate::error::BenchError;
 use crate::method::Method;
 use crate::scene::{ChangeKind, Scene};
 use crate::settings::Settings;
-use crate::tangle;
 use cloth_collide::potential::ContactForces;
-use cloth_collide::untangle::StepUntangler;
+use cloth_collide::untangle::CrossingPairs;
 use cloth_core::air::Air;
 use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
@@ -32,6 +32,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::time::Instant;
 use timed::Timed;
+use untangling::Untangling;
 use watch::{body_probe, crossed_bodies, min_clearance};
 
 /// Part of a step by which a change may come early: rounding of the time.
@@ -105,8 +106,12 @@ pub struct Summary {
     pub intersections: Option<usize>,
     /// Pairs of a triangle of the cloth and one of a body that cross at the end; none measured where no body has edges.
     pub obstacle_intersections: Option<usize>,
-    /// Crossing pairs of triangles before each step, of a scene that untangles, until there were none.
+    /// Crossing pairs of triangles of the cloth before each step, of a scene that untangles, until nothing crossed.
     pub tangled_pairs: Vec<usize>,
+    /// The same of a triangle of the cloth and one of a body.
+    pub tangled_obstacle_pairs: Vec<usize>,
+    /// Steps after which nothing of that crossed any more.
+    pub untangled_after: Option<u32>,
     /// What is left of them at the end, and where; none if nothing is.
     pub tangled: Option<String>,
     /// Smallest distance (m) at the end between parts that share no vertex.
@@ -130,9 +135,7 @@ struct Course<'a> {
     forces: bool,
     mean_forces: Option<ContactForces>,
     contacts: Option<Timed>,
-    untangler: Option<StepUntangler>,
-    /// Crossing pairs before each step, while there were any.
-    tangled_pairs: Vec<usize>,
+    untangling: Untangling,
     air: Option<Air>,
     /// Forces that act by now.
     pushes: Vec<Push>,
@@ -180,9 +183,8 @@ impl<'a> Course<'a> {
             rebuilds: 0,
             forces: false,
             mean_forces: None,
+            untangling: Untangling::new(scene, contacts.as_ref()),
             contacts,
-            untangler: scene.untangler(),
-            tangled_pairs: Vec::new(),
             air,
             pushes: Vec::new(),
             load: Vec::new(),
@@ -246,43 +248,16 @@ impl<'a> Course<'a> {
             {
                 timed.source = source;
                 timed.source.contacts.record_forces(self.forces);
-                let unfinished = self.untangler.take().filter(|u| !u.is_done());
-                self.untangler = unfinished.and_then(|_| scene.untangler());
+                self.untangling.renew(&scene, timed);
             }
             if let (ChangeKind::Sew { .. }, Some(timed)) = (&change.kind, &mut self.contacts) {
                 timed.source.contacts.sew(&scene.sewn());
+                self.untangling.renew(&scene, timed);
             }
             self.changes += 1;
             self.scene = Cow::Owned(scene);
         }
         Ok(())
-    }
-
-    /// Before a step: pulls the cloth apart, if the scene wants that and until it is done. Returns whether it has to be
-    /// looked after in this step.
-    fn untangle(&mut self, state: &mut State) -> Result<bool, BenchError> {
-        let (Some(untangler), Some(contacts)) = (&mut self.untangler, &mut self.contacts) else {
-            return Ok(false);
-        };
-        if untangler.is_done() {
-            return Ok(false);
-        }
-        let w = self.scene.model.particles.inverse_mass();
-        let crossing = untangler.begin_step(&mut contacts.source.contacts, w, &mut state.positions);
-        let crossing = crossing.map_err(BenchError::failed)?;
-        self.tangled_pairs.push(crossing);
-        Ok(true)
-    }
-
-    /// What still passes through itself in a cloth that has come to `x` (m), although it should be untangled by now.
-    fn tangled(&self, x: &[Vec3]) -> Option<String> {
-        let (untangler, mesh) = (self.untangler.as_ref()?, self.scene.mesh.as_ref()?);
-        let since = untangler.unimproved_since()?;
-        let left = tangle::describe(mesh, x, untangler.pairs());
-        Some(format!(
-            "untangling has not come to its end, and has been no nearer to it since step {}: {left}",
-            since + 1
-        ))
     }
 
     /// One part of a step.
@@ -297,7 +272,8 @@ impl<'a> Course<'a> {
             contacts.reset();
         }
         let started = Instant::now();
-        let is_tangled = self.untangle(state)?;
+        let contacts = self.contacts.as_mut();
+        let is_tangled = self.untangling.begin_part(&self.scene, contacts, state)?;
         self.seconds = started.elapsed().as_secs_f64();
         if let Some(pins) = &self.scene.pins {
             pins.steer(state, dt);
@@ -322,7 +298,7 @@ impl<'a> Course<'a> {
         let report = stepper.step(state, input).map_err(BenchError::failed)?;
         self.seconds += started.elapsed().as_secs_f64();
         if let Some(contacts) = &mut self.contacts {
-            contacts.count();
+            contacts.count(is_tangled);
         }
         if let Some(balance) = balance {
             let contacts = self.contacts.as_ref();
@@ -409,6 +385,8 @@ pub struct Moment<'a> {
     pub held: Real,
     /// What it has been given until then (J): what it held at the start, what gravity has released, and work.
     pub given: Real,
+    /// What crossed before it, of a cloth that starts tangled, until nothing does.
+    pub tangled: Option<CrossingPairs>,
 }
 
 /// How a run goes.
@@ -490,10 +468,10 @@ fn take_steps(
             forces: course.forces(),
             held,
             given,
+            tangled: course.untangling.before(step),
         })?;
     }
-    let tangled = course.tangled(&state.positions);
-    let tangled_pairs = std::mem::take(&mut course.tangled_pairs);
+    let untangling = std::mem::take(&mut course.untangling);
     let scene = course.scene.into_owned();
     let mut energies = scene.elastic().map_err(BenchError::failed)?;
     energies.set_time(state.time);
@@ -503,8 +481,7 @@ fn take_steps(
     let height_energy = |x: &[Vec3]| measure::gravitational_energy(particles, x, scene.gravity);
     let gravity_energy = height_energy(&state.positions) - height_energy(&scene.start.positions);
     let separation = separation(&scene, state)?;
-    let is_crossing = separation.is_some_and(|s| s.intersecting_pairs > 0);
-    let summary = Summary {
+    let mut summary = Summary {
         steps,
         ms_per_step_median: 1e3 * median(&mut seconds),
         contact_ms_median: 1e3 * median(&mut contact_seconds),
@@ -534,13 +511,13 @@ fn take_steps(
         center_of_mass_drop: start_height - height(&scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
         obstacle_intersections: crossed_bodies(&scene, &mut body_probe(&scene)?, state)?,
-        tangled: tangled.filter(|_| is_crossing),
-        tangled_pairs,
         min_distance: separation.and_then(|s| s.min_distance),
         min_clearance: min_clearance(&scene, state),
         max_seam_gap: scene.max_seam_gap(state),
         max_volume_change: scene.max_volume_change(state),
+        ..Summary::default()
     };
+    untangling.report(&scene, state, &mut summary);
     Ok((summary, scene))
 }
 

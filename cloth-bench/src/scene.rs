@@ -158,11 +158,11 @@ impl Scene {
         self.model.stitches().any(changes)
     }
 
-    /// What pulls the cloth apart during a run, if the scene wants that.
+    /// What pulls the cloth of `contacts` apart during a run, if the scene wants that.
     #[must_use]
-    pub fn untangler(&self) -> Option<StepUntangler> {
-        let touch = self.touch.as_ref().zip(self.mesh.as_ref());
-        touch.and_then(|(touch, mesh)| touch.untangler(mesh))
+    pub fn untangler(&self, contacts: &PotentialContacts) -> Option<StepUntangler> {
+        let wanted = self.touch.as_ref().filter(|touch| touch.untangles());
+        wanted.and_then(|_| StepUntangler::new(contacts))
     }
 
     /// Whether there is anything that the cloth can touch.
@@ -176,7 +176,9 @@ impl Scene {
     #[must_use]
     pub fn fall(&self) -> Real {
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
-        let farthest = touch.flat_map(ContactSetup::obstacles).map(|obstacle| {
+        let obstacles = touch.flat_map(ContactSetup::obstacles);
+        let obstacles = obstacles.filter(|o| o.shape().error_bound() < Real::INFINITY);
+        let farthest = obstacles.map(|obstacle| {
             let clearance = |&x: &Vec3| obstacle.signed_distance(x, 0.0).value;
             let places = self.start.positions.iter();
             places.map(clearance).fold(Real::INFINITY, Real::min)

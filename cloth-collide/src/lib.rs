@@ -181,9 +181,9 @@
 //!
 //! - Shapes with a signed distance are rigid, and keep the velocities that they were built with, unless the cloth
 //!   pushes them ([`free`](potential::PotentialBuilder::free)); those that deform, or move on any other given path,
-//!   have triangles alone ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A mesh at rest is an
-//!   animation of one shape; a closed rigid one a [`ClosedMesh`](obstacle::ClosedMesh) (or
-//!   [`SampledDistance`](obstacle::SampledDistance)) with a surface of the same triangles.
+//!   have triangles alone ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A closed rigid mesh
+//!   is a [`ClosedMesh`](obstacle::ClosedMesh) (or [`SampledDistance`](obstacle::SampledDistance)) with a surface of the
+//!   same triangles, an open one, or one through itself, a [`SurfaceOnly`](obstacle::SurfaceOnly) with its surface.
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
@@ -202,7 +202,7 @@
 //! | `ccd/advance.rs`, `ccd/advance/`, `ccd/number.rs` | the walk through time, in `f64` and in numbers of twice the digits |
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
-//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`, `impact`; `sweep` |
+//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `surface_only`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`, `impact`; `sweep` |
 //! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `obstacle_contact`, `near_pairs`, `sleeping`, `patches`, `quiet`, `filter`; `row`, `rows`, `bodies`, `tangent`, `rebound`; `surfaces`, `free`, `stops`; `last_resort`, `zones`; `source`, `forces`, `report`, `sewn`, `let_go`, `builder` |
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back`, `during` |
 //! | `broad_phase.rs`, `broad_phase/hierarchy.rs` | what a broad phase is; the tree of boxes |

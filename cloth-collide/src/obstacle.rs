@@ -25,6 +25,7 @@
 //! | φ = ±min over triangles, the sign from angle-weighted normals | [`ClosedMesh`] |
 //! | Σ ψ(d) over triangles − edges + vertices, in place of ψ(φ) | [`SignedDistance::each_part`] |
 //! | φ = Σ wᵢ φᵢ over the 27 nodes around, a quadratic B-spline | [`SampledDistance`] |
+//! | triangles alone, no φ | [`SurfaceOnly`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
 //! | v = P/m + g Δt, ω = J⁻¹ L, P ← P + m g Δt + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
@@ -59,6 +60,7 @@ mod placed;
 mod rigid_body;
 mod sampled;
 mod sphere;
+mod surface_only;
 mod sweep;
 
 pub use animated::AnimatedMesh;
@@ -75,6 +77,7 @@ pub use placed::Obstacle;
 pub use rigid_body::RigidBody;
 pub use sampled::SampledDistance;
 pub use sphere::Sphere;
+pub use surface_only::SurfaceOnly;
 pub use sweep::{FirstContact, VertexPath, first_contact};
 
 use crate::bounds::Bounds;
@@ -137,7 +140,8 @@ pub trait SignedDistance: Debug + Send + Sync {
         false
     }
 
-    /// How far φ may be from the distance to the surface (m), 0 if it is that.
+    /// How far φ may be from the distance to the surface (m), 0 if it is that, and infinite if there is no such
+    /// distance.
     fn error_bound(&self) -> Real {
         0.0
     }

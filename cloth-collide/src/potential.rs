@@ -115,14 +115,17 @@
 //! ([`PotentialBuilder::surface`]), whose vertices are appended to those of the cloth as prescribed ones: pairs (edge,
 //! edge) and (vertex of the body, triangle of the cloth) are treated as in the cloth itself, and push below h/2: not at
 //! all where the signed distance keeps the cloth farther away. A body that changes its shape, open or closed, has its
-//! triangles alone ([`PotentialBuilder::animated`]).
+//! triangles alone ([`PotentialBuilder::animated`]), and so has a rigid one without an inside
+//! ([`SurfaceOnly`](crate::obstacle::SurfaceOnly)): they keep the cloth on the side where it is, and press its vertices
+//! as a signed distance does, but twice above an edge. Cloth that is inside of such a body stays there.
 //!
 //! | scene | what to build |
 //! |---|---|
 //! | floor, wall, smooth body whose radii are larger than the triangles of the cloth | [`obstacle`](PotentialBuilder::obstacle) alone |
 //! | corners and sharp edges, or a body smaller than a triangle | with its [`surface`](PotentialBuilder::surface) |
 //! | a rigid mesh of many triangles | a [`SampledDistance`](crate::obstacle::SampledDistance), off by a quarter of its spacing at edges, with the surface |
-//! | a body that deforms, or an open one | [`animated`](PotentialBuilder::animated) |
+//! | a rigid mesh that is open, or goes through itself | [`SurfaceOnly`](crate::obstacle::SurfaceOnly), with the surface |
+//! | a body that deforms | [`animated`](PotentialBuilder::animated) |
 //! | a sheet that cannot reach itself | [`self_collision(false)`](PotentialBuilder::self_collision) |
 //! | pieces sewn together, or layers that may pass | [`sew`](PotentialBuilder::sew), [`exclude`](PotentialBuilder::exclude) |
 //!
@@ -139,10 +142,12 @@
 //! Cloth that two bodies leave no room for has no way that keeps the promise. That is an error,
 //! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible), and ends the step where it began; or,
 //! with [`PotentialBuilder::pinched_cloth_passes`], the vertices that have no way pass through one of the bodies, with
-//! their neighbours: through that of the highest number among those in their way. Everything else is kept apart as
-//! before. Once no triangle of the cloth crosses that body any more and none of these vertices is inside, contact with
-//! it is what it was. [`PotentialContacts::pinched`] counts them. Which of the bodies the cloth should obey no law
-//! says; where that matters, number them, or end the motion of the body before it closes on the cloth.
+//! their neighbours: through that of the highest number among those in their way. Cloth that crosses a body at the
+//! start passes through it in the same way while a [`StepUntangler`](crate::untangle::StepUntangler) pulls it out.
+//! Everything else is kept apart as before. Once no triangle of the cloth crosses that body any more and none of these
+//! vertices is inside, contact with it is what it was. [`PotentialContacts::pinched`] counts them. Which of the bodies
+//! the cloth should obey no law says; where that matters, number them, or end the motion of the body before it closes
+//! on the cloth.
 //!
 //! # Bodies that the cloth pushes
 //!

@@ -26,7 +26,10 @@
 //! had to: [`bring_back`] takes it back towards where it was as far as contact with a thickness lets it.
 //!
 //! A simulation need not wait for that. [`StepUntangler`] takes a few iterations before each step, and lets contact
-//! leave out the pairs that still cross, while all others keep their promise.
+//! leave out the pairs that still cross, while all others keep their promise. It also pulls the cloth out of bodies:
+//! these are meshes that do not move. A hand through a sleeve divides the surface of the arm, the smaller part has gone
+//! wrong, and the cloth that it goes through is pushed over it, with what is around. A part of the cloth that is inside
+//! of a closed body is never the right one. What such a push has moved loses its velocity against it.
 //!
 //! # Where shortening stalls
 //!
@@ -68,6 +71,8 @@
 //!
 //! # Limits
 //!
+//! - A contour that only just leads off a body at a rim of the cloth says little about the way, as for a hand that is
+//!   half in a sleeve and half beside it; such starts stall.
 //! - Held vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. Two
 //!   tubes or garments through each other from rim to rim stall: either side of each could be the inside. The positions
 //!   are then finite, and no more tangled than the report says.
@@ -91,9 +96,10 @@ mod pieces;
 mod smooth;
 
 pub use back::{ReturnError, bring_back};
-pub use during::StepUntangler;
+pub use during::{CrossingPairs, StepUntangler};
 
 use crate::error::CollideError;
+use crate::potential::PotentialContacts;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use contour::Contour;
@@ -167,10 +173,36 @@ pub struct UntangleProgress {
     pub length: Real,
 }
 
+/// What is around a cloth that is pulled apart.
+#[derive(Clone, Copy, Debug, Default)]
+struct World<'a> {
+    /// Of all vertices (1/kg), 0 for held ones and those of bodies.
+    inverse_mass: &'a [Real],
+    /// What keeps it from itself and from bodies, in a simulation.
+    contacts: Option<&'a PotentialContacts>,
+}
+
+impl World<'_> {
+    /// Whether two triangles should not meet.
+    fn counts(&self, corners: [[u32; 3]; 2]) -> bool {
+        let is_free = |&v: &u32| self.inverse_mass[v as usize] > 0.0;
+        self.contacts
+            .is_none_or(|contacts| contacts.part(corners, corners.iter().flatten().any(is_free)))
+    }
+
+    /// Whether a vertex is inside of a body that has an inside.
+    fn is_inside(&self, vertex: u32, positions: &[Vec3]) -> bool {
+        let contacts = self.contacts;
+        contacts.is_some_and(|contacts| contacts.contain(vertex, positions[vertex as usize]))
+    }
+}
+
 /// Gradients g (dimensionless) become g/√(g² + this²): about 1 long well above this, ten times as long well below.
 const SOFT: Real = 0.1;
 /// Rounds of averaging, of one attempt after the other.
 const SMOOTHINGS: [u32; 3] = [8, 2, 0];
+/// The same of what is pushed in a simulation, where elasticity pulls back what is moved alone.
+const PUSH_SMOOTHINGS: u32 = 40;
 /// A step that leaves more than this part of the length is not worth while,
 const WORTHWHILE: Real = 0.95;
 /// and an attempt is given up after so many iterations without fewer pairs or a length worth while.
@@ -182,17 +214,25 @@ impl Untangler {
     /// For the cloth `mesh`, whose rest shape sets the length of a step.
     #[must_use]
     pub fn new(mesh: &TriMesh) -> Self {
-        let side = |&t: &[u32; 3]| {
+        Self::among(mesh, mesh.vertex_count(), &[])
+    }
+
+    /// For the cloth of the first so many vertices of `mesh`, with pairs of them that are sewn together; what follows
+    /// are bodies.
+    fn among(mesh: &TriMesh, cloth: usize, sewn: &[[u32; 2]]) -> Self {
+        let side = |t: [u32; 3]| {
             let [a, b, c] = gather(mesh.positions(), t);
             ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
         };
-        let sum: Real = mesh.triangles().iter().map(side).sum();
+        let own = mesh.triangles().iter().copied();
+        let own = own.filter(|t| (t[0] as usize) < cloth).map(side);
+        let (count, sum) = own.fold((0, 0.0), |(count, sum), side| (count + 1, sum + side));
         let zeros = vec![Vec3::zeros(); mesh.vertex_count()];
         Self {
             contour: Contour::new(mesh),
-            pieces: Pieces::new(mesh),
-            smoother: Smoother::new(mesh),
-            longest_step: 0.25 * sum / mesh.triangle_count() as Real,
+            pieces: Pieces::new(mesh, sewn),
+            smoother: Smoother::new(mesh, sewn),
+            longest_step: 0.25 * sum / Real::from(count),
             gradient: zeros.clone(),
             trial: zeros,
         }
@@ -211,7 +251,7 @@ impl Untangler {
         gradient: &mut [Vec3],
     ) -> Result<Real, CollideError> {
         assert_eq!(gradient.len(), self.trial.len(), "one gradient a vertex");
-        self.contour.find(positions)?;
+        self.contour.find(positions, World::default())?;
         self.contour.gradient(gradient);
         Ok(self.contour.length())
     }
@@ -241,7 +281,11 @@ impl Untangler {
     ) -> Result<UntangleReport, CollideError> {
         assert_eq!(positions.len(), self.trial.len(), "one position a vertex");
         assert_eq!(inverse_mass.len(), self.trial.len(), "one mass a vertex");
-        self.contour.find(positions)?;
+        let world = World {
+            inverse_mass,
+            contacts: None,
+        };
+        self.contour.find(positions, world)?;
         let mut report = UntangleReport {
             pairs_before: self.contour.meeting.len(),
             pairs_after: self.contour.meeting.len(),
@@ -255,7 +299,7 @@ impl Untangler {
         for rounds in SMOOTHINGS {
             x.copy_from_slice(&start);
             let iterations = (&mut report.iterations, most_iterations);
-            report.outcome = self.attempt(&mut x, inverse_mass, rounds, iterations, &mut after)?;
+            report.outcome = self.attempt(&mut x, world, rounds, iterations, &mut after)?;
             let is_better = self.contour.meeting.len() < report.pairs_after;
             if is_better {
                 positions.copy_from_slice(&x);
@@ -266,7 +310,7 @@ impl Untangler {
                 break;
             }
         }
-        self.contour.find(positions)?;
+        self.contour.find(positions, world)?;
         Ok(report)
     }
 
@@ -274,12 +318,12 @@ impl Untangler {
     fn attempt(
         &mut self,
         positions: &mut [Vec3],
-        inverse_mass: &[Real],
+        world: World<'_>,
         rounds: u32,
         (iterations, most_iterations): (&mut u32, u32),
         after: &mut dyn FnMut(UntangleProgress),
     ) -> Result<UntangleOutcome, CollideError> {
-        self.contour.find(positions)?;
+        self.contour.find(positions, world)?;
         let mut step = self.longest_step;
         // The fewest pairs and the shortest length so far, and when.
         let mut best = (
@@ -307,15 +351,15 @@ impl Untangler {
                 return Ok(UntangleOutcome::Stalled);
             }
             *iterations += 1;
-            let taken = self.descend(positions, inverse_mass, rounds, step)?;
+            let taken = self.descend(positions, world, rounds, step)?;
             step = taken.map_or(self.longest_step, |taken| {
                 (1.5 * taken).min(self.longest_step)
             });
             if taken.is_some() && self.contour.length() < WORTHWHILE * before {
                 continue;
             }
-            self.contour.find(positions)?;
-            if !self.push(positions, inverse_mass)? && taken.is_none() {
+            self.contour.find(positions, world)?;
+            if !self.push(positions, world)? && taken.is_none() {
                 return Ok(UntangleOutcome::Stalled);
             }
         }
@@ -326,14 +370,14 @@ impl Untangler {
     fn descend(
         &mut self,
         positions: &mut [Vec3],
-        inverse_mass: &[Real],
+        world: World<'_>,
         rounds: u32,
         step: Real,
     ) -> Result<Option<Real>, CollideError> {
         self.contour.gradient(&mut self.gradient);
-        self.scale(inverse_mass);
+        self.scale(world.inverse_mass);
         self.smoother
-            .smooth(&mut self.gradient, inverse_mass, rounds);
+            .smooth(&mut self.gradient, world.inverse_mass, rounds);
         let before = self.contour.length();
         let mut step = step;
         while step >= SHORTEST * self.longest_step {
@@ -341,7 +385,7 @@ impl Untangler {
             for ((trial, x), g) in all {
                 *trial = x - g * step;
             }
-            self.contour.find(&self.trial)?;
+            self.contour.find(&self.trial, world)?;
             if self.contour.length() < before || self.contour.meeting.is_empty() {
                 positions.copy_from_slice(&self.trial);
                 return Ok(Some(step));
@@ -365,23 +409,34 @@ impl Untangler {
     }
 
     /// Pushes what is cut off back by the longest step. Whether anything is, and can move.
-    fn push(
-        &mut self,
-        positions: &mut [Vec3],
-        inverse_mass: &[Real],
-    ) -> Result<bool, CollideError> {
-        if !self.pieces.divide(self.contour.crossings()) {
+    fn push(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<bool, CollideError> {
+        let is_inside = |vertex| world.is_inside(vertex, positions);
+        if !self.pieces.divide(self.contour.crossings(), is_inside) {
             return Ok(false);
         }
-        self.pieces.push(positions, &mut self.gradient);
-        self.scale(inverse_mass);
+        let is_body = |v| {
+            world
+                .contacts
+                .is_some_and(|contacts| contacts.body_of(v).is_some())
+        };
+        self.pieces.push(positions, is_body, &mut self.gradient);
+        self.scale(world.inverse_mass);
+        if world.contacts.is_some() {
+            self.smoother
+                .smooth(&mut self.gradient, world.inverse_mass, PUSH_SMOOTHINGS);
+            let longest = self.gradient.iter().map(|g| g.norm());
+            let longest = longest.fold(0.0, Real::max);
+            if longest > 0.0 {
+                self.gradient.iter_mut().for_each(|g| *g /= longest);
+            }
+        }
         if self.gradient.iter().all(|g| *g == Vec3::zeros()) {
             return Ok(false);
         }
         for (x, g) in positions.iter_mut().zip(&self.gradient) {
             *x -= g * self.longest_step;
         }
-        self.contour.find(positions)?;
+        self.contour.find(positions, world)?;
         Ok(true)
     }
 }

@@ -9,10 +9,11 @@ use crate::memory;
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
 use crate::run::{Moment, Plan, SeparationWatch, Solver, crossing_warnings, run_changing};
-use crate::scene::{self, Scene, SceneInfo};
+use crate::scene::{self, ContactSetup, Scene, SceneInfo};
 use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use clap::Args;
+use cloth_collide::untangle::CrossingPairs;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::Stepper;
 use forces::ForcesTable;
@@ -34,7 +35,9 @@ Of the numbers that come out:
   newton_fallbacks     minimisations of implicit steps in which Newton's method took over from the quasi-Newton method
   refinements          steps of xpbd taken again with twice as many substeps, because they would have gained energy
   rebuilds             changes of the cloth on the way (pins, tears) for which the method was built anew
-  tangled_pairs        pairs of triangles that passed through each other before each step, of a scene with untangle=yes, until there were none
+  tangled_pairs        pairs of triangles of the cloth that passed through each other before each step, of a scene with untangle=yes, until nothing did
+  tangled_obstacle_pairs  the same of a triangle of the cloth and one of a body
+  untangled_after      steps after which none of these crossed any more
   unfinished_steps     steps that ended at their most iterations, short of the end that the method looks for
   held_steps           steps that ended with vertices held back by contact
   pinched_steps        steps after which cloth that bodies had pinched was passing through one of them
@@ -209,6 +212,10 @@ fn simulate(
     };
     let mut table = arguments.forces.is_some().then(ForcesTable::default);
     let bar = progress_bar(steps);
+    let mut tangles = TangleProgress::default();
+    for note in scene.touch.iter().flat_map(ContactSetup::notes) {
+        eprintln!("note: {note}");
+    }
     let mut state = scene.start.clone();
     let mut watch = arguments
         .watch
@@ -217,6 +224,9 @@ fn simulate(
     let after = |moment: &Moment<'_>| {
         let (step, state) = (moment.step, moment.state);
         bar.inc(1);
+        if let Some(line) = moment.tangled.and_then(|found| tangles.line(step, found)) {
+            bar.suspend(|| eprintln!("{line}"));
+        }
         if step == steps {
             // Before what is only measured afterwards takes memory too.
             peak_memory = memory::peak();
@@ -345,7 +355,14 @@ fn simulate(
         ]);
     }
     if !summary.tangled_pairs.is_empty() {
-        pairs.push(("tangled_pairs", json!(summary.tangled_pairs)));
+        pairs.extend([
+            ("tangled_pairs", json!(summary.tangled_pairs)),
+            (
+                "tangled_obstacle_pairs",
+                json!(summary.tangled_obstacle_pairs),
+            ),
+            ("untangled_after", json!(summary.untangled_after)),
+        ]);
     }
     if arguments.reference {
         pairs.extend(compared(&scene, solver.stepper(), steps, dt)?);
@@ -375,6 +392,32 @@ fn simulate(
     );
     print_pairs(arguments.json, &pairs)?;
     failure.map_or(Ok(()), Err)
+}
+
+/// What is said of a cloth that is pulled apart: whenever fewer pairs cross than ever before.
+#[derive(Default)]
+struct TangleProgress {
+    fewest: Option<usize>,
+}
+
+impl TangleProgress {
+    /// A line about what was found before a step, if it is worth one.
+    fn line(&mut self, step: u32, found: CrossingPairs) -> Option<String> {
+        let count = found.count();
+        if self.fewest.is_some_and(|fewest| fewest <= count) || count == 0 && self.fewest.is_none()
+        {
+            return None;
+        }
+        self.fewest = Some(count);
+        let CrossingPairs { own, bodies } = found;
+        let after = step - 1;
+        Some(match count {
+            0 => format!("after {after} steps: untangled"),
+            _ => format!(
+                "after {after} steps: {own} crossing pairs of the cloth with itself, {bodies} with bodies"
+            ),
+        })
+    }
 }
 
 /// It ticks, so that a long step shows as one.

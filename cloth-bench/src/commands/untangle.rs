@@ -114,7 +114,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             UntangleOutcome::BudgetSpent => "not done",
             _ => "stalled",
         };
-        let left = tangle::describe(&mesh, &x, untangler.pairs());
+        let left = tangle::describe(&mesh, &x, untangler.pairs(), |_| None);
         format!("{ended} after {} iterations: {left}", report.iterations)
     });
     let mut told = vec![

@@ -34,6 +34,7 @@ impl Course<'_> {
         mut balance: Option<&mut EnergyBalance>,
     ) -> Result<StepReport, BenchError> {
         self.mean_forces = None;
+        self.untangling.begin_step();
         let parts = self.scene.parts(dt);
         let part = dt / Real::from(parts);
         let mut taken = Taken {
@@ -66,8 +67,7 @@ impl Course<'_> {
         mut balance: Option<&mut EnergyBalance>,
         taken: &mut Taken,
     ) -> Result<StepReport, BenchError> {
-        let is_tangled = self.untangler.as_ref().is_some_and(|u| !u.is_done());
-        let may_halve = halvings > 0 && !is_tangled && self.is_pushing();
+        let may_halve = halvings > 0 && !self.untangling.is_on() && self.is_pushing();
         let before = may_halve.then(|| {
             (
                 state.clone(),

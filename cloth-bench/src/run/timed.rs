@@ -81,10 +81,13 @@ impl Timed {
         }
     }
 
-    /// Takes notice of how a step has ended.
-    pub(super) fn count(&mut self) {
+    /// Takes notice of how a step has ended, in which the cloth was still pulled apart or not.
+    pub(super) fn count(&mut self, is_tangled: bool) {
         self.held_steps += u32::from(self.source.held() > 0);
-        let pinched = self.source.contacts.pinched() as u32;
+        let pinched = match is_tangled {
+            true => 0,
+            false => self.source.contacts.pinched() as u32,
+        };
         self.pinched_steps += u32::from(pinched > 0);
         self.most_pinched = self.most_pinched.max(pinched);
     }

@@ -8,7 +8,6 @@ use crate::error::BenchError;
 use crate::settings::{Choice, Range::*, Settings, Table};
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
-use cloth_collide::untangle::StepUntangler;
 use cloth_collide::{BroadPhaseKind, SeparationProbe};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
@@ -32,8 +31,8 @@ crate::settings! {
             "coefficient of restitution: what hits something leaves it with this part of its speed; with explicit \
              methods, pbd and xpbd; none: with what contact has stored and the method has not damped";
         untangle: bool = "no",
-            "whether the cloth may pass through itself at the start: yes (those pairs are let go, and pulled apart \
-             during the run) or no (that is refused)";
+            "whether the cloth may pass through itself and through bodies at the start: yes (those pairs are let go, \
+             and pulled apart during the run) or no (that is refused)";
         pinched: Pinched = "pass",
             "cloth to which bodies leave no free way: pass (through one of them, until it is out again) or refuse (the \
              run ends there)";
@@ -75,6 +74,8 @@ pub(super) enum Body {
         is_flat: bool,
         /// Coefficient of friction of its own (dimensionless).
         friction: Option<Real>,
+        /// Why it has no inside, if it has none.
+        why_hollow: Option<String>,
     },
     /// A surface that changes its shape, and its coefficient of friction.
     Animated(TriMesh, AnimatedMesh, Option<Real>),
@@ -127,6 +128,8 @@ pub struct ContactSetup {
     animated: Vec<(TriMesh, AnimatedMesh, Real)>,
     /// Numbers of the obstacles, and of the animated surfaces behind them, in the scene, from 0.
     numbers: Vec<usize>,
+    /// What a user should know of the bodies.
+    notes: Vec<String>,
     /// Whether the common coefficient of friction is that of anything.
     is_common_friction_felt: bool,
     pub(super) pieces: Option<PieceContact>,
@@ -142,7 +145,7 @@ impl ContactSetup {
             .map_err(|error| settings.blame([], error))?;
         let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut obstacles, mut frictions) = (Vec::new(), Vec::new());
+        let (mut obstacles, mut frictions, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         let (mut rigid_numbers, mut animated_numbers) = (Vec::new(), Vec::new());
         let mut is_common_friction_felt = *own.collides;
         let mut friction_of = |own: Option<Real>| {
@@ -157,7 +160,12 @@ impl ContactSetup {
                     free,
                     is_flat,
                     friction,
+                    why_hollow,
                 } => {
+                    notes.extend(why_hollow.map(|why| {
+                        let place = number + 1;
+                        format!("obstacle {place} has no inside, since {why}: its triangles alone keep the cloth off")
+                    }));
                     frictions.push(friction_of(friction));
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
                     rigid_numbers.push(number);
@@ -176,14 +184,13 @@ impl ContactSetup {
         };
         let highest_frequency = free_bodies.iter().map(frequency).fold(0.0, Real::max);
         let self_collision = *own.collides;
-        if !self_collision {
-            own.untangle
-                .refuse_without("a cloth that can touch itself (self=yes)")?;
-        }
         // Planes alone have no triangles to be found.
-        if is_on && !self_collision && animated.is_empty() && shapes.iter().all(|shape| !shape.1) {
-            own.broad_phase
-                .refuse_without("triangles to touch (self=yes, or a body that is no plane)")?;
+        if !self_collision && animated.is_empty() && shapes.iter().all(|shape| !shape.1) {
+            let what = "triangles to touch (self=yes, or a body that is no plane)";
+            own.untangle.refuse_without(what)?;
+            if is_on {
+                own.broad_phase.refuse_without(what)?;
+            }
         }
         if is_on && shapes.is_empty() && animated.is_empty() {
             own.pinched.refuse_without("an obstacle")?;
@@ -214,6 +221,7 @@ impl ContactSetup {
             highest_frequency,
             animated,
             numbers: [rigid_numbers, animated_numbers].concat(),
+            notes,
             is_common_friction_felt,
             pieces: None,
         })
@@ -245,15 +253,9 @@ impl ContactSetup {
         self.restitution.is_some() && !self.is_idle()
     }
 
-    /// Whether a cloth that passes through itself at the start is pulled apart.
+    /// Whether a cloth that is tangled at the start is pulled apart.
     pub(super) fn untangles(&self) -> bool {
-        self.untangles
-    }
-
-    /// Whether pieces may pass through each other that untangling would pull apart.
-    pub(super) fn excludes_and_untangles(&self) -> bool {
-        let excludes = |pieces: &PieceContact| !pieces.excluded.is_empty();
-        self.untangles && self.pieces.as_ref().is_some_and(excludes)
+        self.untangles && !self.is_idle()
     }
 
     /// What resolves contact of the cloth `mesh`, with pairs of vertices that are `sewn` together; nothing where there
@@ -311,12 +313,6 @@ impl ContactSetup {
         }
     }
 
-    /// What pulls the cloth `mesh` apart during a run, if that is wanted.
-    #[must_use]
-    pub fn untangler(&self, mesh: &TriMesh) -> Option<StepUntangler> {
-        (self.untangles && !self.is_idle()).then(|| StepUntangler::new(mesh))
-    }
-
     /// Whether the cloth can push the obstacle of this number.
     #[must_use]
     pub fn is_free(&self, number: usize) -> bool {
@@ -345,6 +341,11 @@ impl ContactSetup {
     #[must_use]
     pub fn body_numbers(&self) -> &[usize] {
         &self.numbers
+    }
+
+    /// What a user should know of the bodies, a sentence each.
+    pub fn notes(&self) -> impl Iterator<Item = &str> + '_ {
+        self.notes.iter().map(String::as_str)
     }
 
     /// Distance to keep (m).

@@ -78,6 +78,7 @@ pub(super) fn below(
         }
     };
     Ok(Body::Rigid {
+        why_hollow: None,
         obstacle: obstacle.map_err(BenchError::usage)?,
         surface: shape,
         free: None,

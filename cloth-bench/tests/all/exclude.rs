@@ -87,14 +87,11 @@ fn an_excluded_piece_falls_through_as_if_the_other_were_not_there() {
 }
 
 #[test]
-fn a_piece_that_there_is_not_is_named_and_untangling_refused() {
+fn a_piece_that_there_is_not_is_named() {
     let refused = build("missing", &two("[mesh.contact]\nexclude = [2]\n"));
     let told = refused.unwrap_err().to_string();
     assert!(
         told.contains("missing.toml: line 11") && told.contains("there is no mesh 2"),
         "{told}"
     );
-    let both = two("[mesh.contact]\nexclude = [0]\n") + "untangle = true\n";
-    let told = build("both", &both).unwrap_err().to_string();
-    assert!(told.contains("exclude"), "{told}");
 }

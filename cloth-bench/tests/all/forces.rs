@@ -116,8 +116,8 @@ fn slope_carries_the_weight_and_friction_holds_it() {
 }
 
 /// On a slope of 0.2 rad, with tan 0.2 = 0.203, a sheet with a friction of 0.1 slides: it presses on the body under it
-/// with m g cos θ, and drags it downhill with a tenth of that. The body is a plane, a box whose edges take part, or an
-/// animation.
+/// with m g cos θ, and drags it downhill with a tenth of that. The body is a plane, a box whose edges take part, an
+/// animation, or an open mesh.
 #[test]
 fn sliding_sheet_drags_the_body_by_its_friction_times_the_pressure() {
     const FRICTION: f64 = 0.1;
@@ -129,6 +129,10 @@ fn sliding_sheet_drags_the_body_by_its_friction_times_the_pressure() {
         ("plane", ""),
         ("box", "size = [2, 2, 0.2]\nposition = [0, 0, -0.1]\n"),
         ("animation", "folder = \"incline\"\n"),
+        (
+            "mesh",
+            "generator = \"grid:2x2:one-way\"\nscale = 8\nposition = [-6, -1, 0]\n",
+        ),
     ] {
         let text = format!(
             "dt = 0.01\ngravity = [{}, 0, {}]\n{SHEET}translate = [-0.2, -0.2, {z:?}]\n[contact]\n\

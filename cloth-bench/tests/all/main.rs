@@ -19,6 +19,7 @@ mod export;
 mod forces;
 mod hard_constraints;
 mod hash;
+mod hollow;
 mod journal;
 #[path = "../support/law.rs"]
 mod law;

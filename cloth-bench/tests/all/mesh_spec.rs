@@ -15,6 +15,7 @@ fn every_form_makes_the_mesh_it_names() {
     assert_eq!(counts("torus:9x6"), (54, 108));
     assert_eq!(counts("sphere:3"), (92, 180));
     assert_eq!(counts("holes:5:2"), (36, 42));
+    assert_eq!(counts("tangled:pocket"), (31 * 31 + 13 * 13, 1800 + 288));
     assert_eq!(counts("sphere:3+disk:1+grid:2x2:one-way"), (103, 188));
 }
 
@@ -30,5 +31,6 @@ fn a_wrong_name_is_answered_with_the_right_form() {
     assert!(message("holes:4").contains("holes:N:K"));
     assert!(message("disk:2+dsk:3").contains("`dsk`"));
     assert!(message("sphere:two").contains("sphere:N"));
+    assert!(message("tangled:hat").contains("tangled:GARMENT"));
     assert!(message("no-such-file.obj").contains("no-such-file.obj"));
 }

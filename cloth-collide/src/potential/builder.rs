@@ -314,12 +314,15 @@ impl<'a> PotentialBuilder<'a> {
         let mut animated = self.obstacles.len()..;
         for (mesh, motion) in &self.surfaces {
             let mut is_exact = true;
-            let (has_distance, friction, body) = match motion {
+            let mut has_distance = false;
+            let (friction, body) = match motion {
                 Motion::Obstacle(number) => {
                     let name = "number of the obstacle with a surface";
                     let (body, friction) = self.body(name, *number)?;
-                    is_exact = body.shape().error_bound() == 0.0;
-                    (true, *friction, Some(*number))
+                    let error_bound = body.shape().error_bound();
+                    has_distance = error_bound < Real::INFINITY;
+                    is_exact = !has_distance || error_bound == 0.0;
+                    (*friction, Some(*number))
                 }
                 Motion::Own(animation, friction) => {
                     let count = animation.vertex_count();
@@ -328,7 +331,7 @@ impl<'a> PotentialBuilder<'a> {
                         return Err(invalid(name, count as Real, "that of its mesh"));
                     }
                     let friction = not_negative("friction of a body", *friction)?;
-                    (false, friction, animated.next())
+                    (friction, animated.next())
                 }
             };
             let side = Side {

@@ -161,15 +161,25 @@ impl Near {
     /// How many pairs of triangles meet at `x` (m) that should not.
     pub(super) fn crossing(&mut self, x: &[Vec3]) -> Result<usize, CollideError> {
         self.find_triangles(x)?;
-        let crosses = |[a, b]: &[[u32; 3]; 2]| {
-            let vertices = [a[0], a[1], a[2], b[0], b[1], b[2]];
+        let crosses = |pair: &[[u32; 3]; 2]| {
+            let vertices = pair.as_flattened();
             let is_free = vertices.iter().any(|&v| self.is_free[v as usize]);
-            !self.pass(&vertices)
-                && !self.is_pinched(&vertices)
-                && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
-                && meet_unduly([*a, *b], x)
+            self.parts(*pair, is_free)
+                && !self.let_go.has(vertices)
+                && !self.is_pinched(vertices)
+                && meet_unduly(*pair, x)
         };
         Ok(self.near_triangles().filter(crosses).count())
+    }
+
+    /// Whether two triangles are kept apart unless they are let go: bodies do not touch each other, nor prescribed
+    /// cloth.
+    pub(super) fn parts(&self, pair: [[u32; 3]; 2], is_free: bool) -> bool {
+        let first = pair.map(|corners| corners[0]);
+        let vertices = pair.as_flattened();
+        self.patches_meet(first)
+            && (is_free || first.into_iter().all(|v| self.is_own(v)))
+            && !self.pass(vertices)
     }
 
     fn find_triangles(&mut self, x: &[Vec3]) -> Result<(), CollideError> {
@@ -224,8 +234,7 @@ impl Near {
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.
     fn pass(&self, vertices: &[u32]) -> bool {
-        let own = &self.own;
-        self.let_go.has(vertices) || own.excluded.has(vertices) || own.sewn.join(vertices)
+        self.own.excluded.has(vertices) || self.own.sewn.join(vertices)
     }
 
     fn is_own(&self, vertex: u32) -> bool {
@@ -263,7 +272,8 @@ impl Near {
     pub(super) fn meets(&self, vertices: [u32; 4]) -> bool {
         if self.surfaces.is_empty() || vertices.iter().all(|&v| self.is_own(v)) {
             let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
-            return self.own.self_collision && !rests && !self.pass(&vertices);
+            let is_let_go = self.let_go.has(&vertices) || self.pass(&vertices);
+            return self.own.self_collision && !rests && !is_let_go;
         }
         vertices.iter().any(|&v| self.is_free[v as usize]) && !self.is_pinched(&vertices)
     }

@@ -47,11 +47,13 @@ impl Pinched {
         self.pairs.iter().filter(of).map(|pair| pair[0] as usize)
     }
 
-    /// More vertices pass through a body each.
-    pub(super) fn extend(&mut self, pairs: impl IntoIterator<Item = [u32; 2]>) {
+    /// More vertices pass through a body each. Returns whether any did not before.
+    pub(super) fn extend(&mut self, pairs: impl IntoIterator<Item = [u32; 2]>) -> bool {
+        let before = self.pairs.len();
         self.pairs.extend(pairs);
         self.pairs.sort_unstable();
         self.pairs.dedup();
+        self.pairs.len() > before
     }
 
     /// Nothing passes through a body any more.
@@ -68,7 +70,6 @@ impl Near {
         let Some(body) = body.filter(|_| self.own.pinched_passes) else {
             return false;
         };
-        let before = self.pinched.count();
         let seeds = blocked.iter().filter(|pair| pair[1] == body);
         let mut vertices: Vec<u32> = seeds.map(|pair| pair[0]).collect();
         vertices.sort_unstable();
@@ -79,7 +80,6 @@ impl Near {
             .copied()
             .collect();
         let vertices = vertices.iter().chain(&around);
-        self.pinched.extend(vertices.map(|&v| [v, body]));
-        self.pinched.count() > before
+        self.pinched.extend(vertices.map(|&v| [v, body]))
     }
 }

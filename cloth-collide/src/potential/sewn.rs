@@ -20,6 +20,13 @@ impl Sewn {
         }
     }
 
+    /// Pairs that sew the same together.
+    pub(crate) fn pairs(&self) -> Vec<[u32; 2]> {
+        let classes = (0u32..).zip(&self.class);
+        let pairs = classes.map(|(vertex, class)| [*class, vertex]);
+        pairs.filter(|[class, vertex]| class != vertex).collect()
+    }
+
     /// One more than the last vertex that is sewn to another.
     pub(crate) fn count(&self) -> usize {
         self.class.len()

@@ -30,11 +30,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// the cloth and of the [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the
 /// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
-/// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside of bodies. The start of a step must be
-/// free of crossings; it is if the last step ended there, and if anything else has moved the cloth since, all near
-/// pairs of triangles are tested exactly, and crossing ones are [`ContactError::IntersectingStart`]. Not promised is
-/// anything of pairs that the builder was told to exclude or that are sewn together, of the cloth with itself without
-/// self-collision, and of pairs that cross at the start and are let go until they are apart.
+/// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside
+/// of bodies. The start of a step must be free of crossings; it is if the last step ended there, and if anything else
+/// has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are
+/// [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude or that
+/// are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and are let
+/// go until they are apart; nor of cloth that crosses a body then, before that body.
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
@@ -269,10 +270,83 @@ impl PotentialContacts {
         self.contacts.is_anew = true;
     }
 
-    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
-    /// the regions of vertices from 1; 0 for none.
-    pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
-        self.contacts.is_anew |= self.contacts.near.let_go.replace(region, pairs);
+    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others; and all before a
+    /// body that have a vertex in a region of `passing`, of pairs of a region and a body, until nothing crosses that.
+    /// `region` numbers the regions of vertices from 1; 0 for none.
+    pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]], passing: &[[u32; 2]]) {
+        let near = &mut self.contacts.near;
+        let vertices = passing.iter().flat_map(|&[of, body]| {
+            let own = (0..).zip(region).filter(move |(_, r)| **r == of);
+            own.map(move |(vertex, _)| [vertex, body])
+        });
+        let more = near.pinched.extend(vertices);
+        self.contacts.is_anew |= near.let_go.replace(region, pairs) | more;
+    }
+
+    /// Where nothing crosses a body any more, with everything at `x` (m), and no vertex that passes through it is
+    /// inside, nothing passes through it any more. Returns how many vertices still do.
+    pub(crate) fn release(&mut self, x: &[Vec3]) -> Result<usize, ContactError> {
+        self.contacts.unpinch(x)?;
+        Ok(self.pinched())
+    }
+
+    /// Moves the vertices of a cloth at `x` (m) that pass through a body and are inside of it towards its surface, by
+    /// at most `most` (m), but for held ones.
+    pub(crate) fn lead_out(&self, x: &mut [Vec3], inverse_mass: &[Real], most: Real) {
+        let Contacts { near, bodies, .. } = &self.contacts;
+        for (number, (body, _)) in bodies.iter().enumerate() {
+            for v in near
+                .pinched
+                .vertices(number)
+                .filter(|&v| inverse_mass[v] > 0.0)
+            {
+                let at = body.signed_distance(x[v], 0.0);
+                if at.value <= 0.0 {
+                    x[v] += at.normal * (near.law_at(v).range() - at.value).min(most);
+                }
+            }
+        }
+    }
+
+    /// Number of vertices of the cloth.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.surfaces.cloth
+    }
+
+    /// The cloth, with the surfaces of bodies behind it; none if nothing of it can cross.
+    pub(crate) fn mesh(&self) -> Option<&TriMesh> {
+        self.contacts.last_resort.mesh.as_ref()
+    }
+
+    /// Pairs of vertices that sew all together that is sewn.
+    pub(crate) fn sewn(&self) -> Vec<[u32; 2]> {
+        self.contacts.near.own.sewn.pairs()
+    }
+
+    /// Writes where the vertices of bodies are when the next step begins (m).
+    pub(crate) fn place_bodies(&mut self, out: &mut [Vec3]) {
+        self.surfaces.place(&self.contacts.bodies, 0.0);
+        out.copy_from_slice(&self.surfaces.from[self.surfaces.cloth..]);
+    }
+
+    /// Whether two triangles should be apart, one of whose vertices is free or not.
+    pub(crate) fn part(&self, corners: [[u32; 3]; 2], is_free: bool) -> bool {
+        self.contacts.near.parts(corners, is_free)
+    }
+
+    /// The body of which a vertex is, if it is not of the cloth.
+    pub(crate) fn body_of(&self, vertex: u32) -> Option<usize> {
+        self.contacts.near.body_of(vertex)
+    }
+
+    /// Whether a vertex of the cloth at `x` (m) is inside of a body with an inside and a surface.
+    pub(crate) fn contain(&self, vertex: u32, x: Vec3) -> bool {
+        let bodies = self.surfaces.list.iter().filter_map(|s| match s.motion {
+            Motion::Obstacle(number) => Some(&self.contacts.bodies[number].0),
+            Motion::Own(..) => None,
+        });
+        let mut bodies = bodies.filter(|_| (vertex as usize) < self.surfaces.cloth);
+        bodies.any(|body| body.signed_distance(x, 0.0).value <= 0.0)
     }
 
     /// Whether something gives way to the cloth that would have no free way without: another free body is halted, or

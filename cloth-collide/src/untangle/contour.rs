@@ -1,5 +1,6 @@
 //! The curves along which a cloth passes through itself.
 
+use super::World;
 use super::crossing::{Crossing, End};
 use crate::broad_phase::TrianglePairs;
 use crate::error::CollideError;
@@ -28,14 +29,18 @@ impl Contour {
     }
 
     /// Finds all segments at `positions` (m).
-    pub(super) fn find(&mut self, positions: &[Vec3]) -> Result<(), CollideError> {
+    pub(super) fn find(
+        &mut self,
+        positions: &[Vec3],
+        world: World<'_>,
+    ) -> Result<(), CollideError> {
         self.pairs.find(positions)?;
         self.segments.clear();
         self.meeting.clear();
         let triangles = &self.pairs.triangles;
         for &pair in &self.pairs.pairs {
             let corners = pair.map(|t| triangles[t as usize]);
-            if meet_unduly(corners, positions) {
+            if world.counts(corners) && meet_unduly(corners, positions) {
                 self.meeting.push(pair);
                 self.segments.extend(segment(corners, positions));
             }

@@ -1,11 +1,10 @@
 //! Untangling in the course of a simulation.
 
-use super::{SMOOTHINGS, Untangler, WORTHWHILE};
+use super::{SMOOTHINGS, Untangler, WORTHWHILE, World};
 use crate::error::CollideError;
 use crate::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactSource};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::TriMesh;
 use cloth_core::topology::DisjointSets;
 
 /// Rings of neighbours around what crosses that belong to a region: where the contour may go in a step.
@@ -14,6 +13,8 @@ const RINGS: u32 = 3;
 /// that fall onto a ball become free after 9 to 11 steps with four (implicit Euler, projective dynamics, XPBD), 13 to
 /// 18 with three, 22 to 92 with two, and with one in 68 (XPBD) or never.
 const ITERATIONS: u32 = 4;
+/// And one more for each step without fewer crossing pairs, up to so many: elasticity pulls back what is moved.
+const MORE_ITERATIONS: u32 = 16;
 
 /// Pulls a tangled cloth apart step by step while a method simulates it, and lets contact keep everything else apart.
 ///
@@ -22,88 +23,174 @@ const ITERATIONS: u32 = 4;
 /// others keep what [`PotentialContacts`] promises, so nothing can become tangled elsewhere. Then a few iterations move
 /// the cloth, as far as those others let it. Elasticity smooths what it leaves. Once nothing crosses, no pair is let go
 /// any more, and contact keeps it that way.
+///
+/// Bodies take part as triangles that stay where they are. A region that crosses one passes through it until nothing
+/// crosses it any more and no vertex that passes is inside, as [pinched cloth](crate::potential#pinched-cloth) does.
 #[derive(Debug)]
 pub struct StepUntangler {
     untangler: Untangler,
+    /// Number of vertices of the cloth.
+    cloth: usize,
     sets: DisjointSets,
     is_inside: Vec<bool>,
     region: Vec<u32>,
+    /// Pairs of regions that cross, and pairs of a region and the body that it crosses.
     pairs: Vec<[u32; 2]>,
-    moved: Vec<Vec3>,
+    passing: Vec<[u32; 2]>,
+    /// Places (m) of the cloth, with those of bodies behind them.
+    places: Vec<Vec3>,
     /// 1 for vertices that can move, 0 for others.
     is_free: Vec<Real>,
+    /// Where the cloth was before the step (m).
+    start: Vec<Vec3>,
+    is_done: bool,
     steps: u32,
     /// The fewest pairs so far, and after how many steps.
     best: Option<(usize, u32)>,
 }
 
-impl StepUntangler {
-    /// For the cloth `mesh`.
+/// Pairs of triangles that cross.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CrossingPairs {
+    /// Of the cloth with itself.
+    pub own: usize,
+    /// Of one of the cloth and one of a body.
+    pub bodies: usize,
+}
+
+impl CrossingPairs {
+    /// All of them.
     #[must_use]
-    pub fn new(mesh: &TriMesh) -> Self {
+    pub fn count(&self) -> usize {
+        self.own + self.bodies
+    }
+}
+
+impl StepUntangler {
+    /// For the cloth and the bodies of `contacts`; none if these know no triangles that could cross. What is sewn
+    /// together moves together, and is no crossing; nor are pieces that may pass through each other.
+    #[must_use]
+    pub fn new(contacts: &PotentialContacts) -> Option<Self> {
+        let (mesh, cloth) = (contacts.mesh()?, contacts.vertex_count());
         let count = mesh.vertex_count();
-        Self {
-            untangler: Untangler::new(mesh),
+        Some(Self {
+            untangler: Untangler::among(mesh, cloth, &contacts.sewn()),
+            cloth,
             sets: DisjointSets::default(),
             is_inside: vec![false; count],
-            region: vec![0; count],
+            region: vec![0; cloth],
             pairs: Vec::new(),
-            moved: vec![Vec3::zeros(); count],
-            is_free: Vec::new(),
+            passing: Vec::new(),
+            places: vec![Vec3::zeros(); count],
+            is_free: vec![0.0; count],
+            start: vec![Vec3::zeros(); cloth],
+            is_done: false,
             steps: 0,
             best: None,
-        }
+        })
     }
 
-    /// Before a step from `positions` (m): moves them if anything crosses, and tells `contacts`, which that step has to
-    /// take, what is let go. Returns the number of pairs of triangles that crossed. Does nothing any more once that was
-    /// 0. Vertices with an `inverse_mass` (1/kg) of 0 stay.
+    /// Before a step from `positions` (m): moves them if anything crosses, and tells `contacts`, of which this was made
+    /// and which that step has to take, what is let go. Returns how many pairs of triangles crossed. Does nothing any
+    /// more once there were none. Vertices with an `inverse_mass` (1/kg) of 0 stay. `velocities` (m/s) lose what goes
+    /// against that motion: what is pushed up a body does not fall on meanwhile.
     ///
     /// # Errors
-    /// Those of [`ContactSource::keep_free`]; [`ContactError::IntersectingStart`] for triangles of the cloth that cross
-    /// a body.
+    /// Those of [`ContactSource::keep_free`].
     ///
     /// # Panics
-    /// If there is not one position and one inverse mass per vertex.
+    /// If there is not one position, one inverse mass and one velocity per vertex.
     pub fn begin_step(
         &mut self,
         contacts: &mut PotentialContacts,
         inverse_mass: &[Real],
         positions: &mut [Vec3],
-    ) -> Result<usize, ContactError> {
-        assert_eq!(positions.len(), self.moved.len(), "one position a vertex");
-        assert_eq!(inverse_mass.len(), self.moved.len(), "one mass a vertex");
+        velocities: &mut [Vec3],
+    ) -> Result<CrossingPairs, ContactError> {
+        assert_eq!(positions.len(), self.cloth, "one position a vertex");
+        assert_eq!(inverse_mass.len(), self.cloth, "one mass a vertex");
+        assert_eq!(velocities.len(), self.cloth, "one velocity a vertex");
         if self.is_done() {
-            return Ok(0);
+            return Ok(CrossingPairs::default());
         }
-        let crossing = self.look(contacts, positions)?;
-        if self.best.is_none_or(|(fewest, _)| crossing < fewest) {
-            self.best = Some((crossing, self.steps));
+        for (is_free, w) in self.is_free.iter_mut().zip(inverse_mass) {
+            *is_free = Real::from(u8::from(*w > 0.0));
         }
+        contacts.place_bodies(&mut self.places[self.cloth..]);
+        self.look(contacts, positions)?;
+        let crossing = self.crossing();
+        let count = crossing.count();
+        let (fewest, best_step) = self.best.unwrap_or((usize::MAX, 0));
+        if count < fewest {
+            self.best = Some((count, self.steps));
+        }
+        let since = self.steps
+            - if count < fewest {
+                self.steps
+            } else {
+                best_step
+            };
         self.steps += 1;
-        self.is_free.clear();
-        let free = inverse_mass.iter().map(|w| Real::from(u8::from(*w > 0.0)));
-        self.is_free.extend(free);
-        for _ in 0..ITERATIONS {
+        self.start.copy_from_slice(positions);
+        if count == 0 {
+            self.is_done = contacts.release(&self.places)? == 0;
+            if !self.is_done {
+                // Swallowed whole: there is no contour that would tell the way.
+                let own = &mut self.places[..self.cloth];
+                contacts.lead_out(own, &self.is_free, self.untangler.longest_step);
+                contacts.keep_free(positions, inverse_mass, own)?;
+                positions.copy_from_slice(own);
+            }
+        }
+        for _ in 0..ITERATIONS + since.min(MORE_ITERATIONS) {
             if self.untangler.contour.meeting.is_empty() {
                 break;
             }
-            self.moved.copy_from_slice(positions);
-            self.untangler.iterate(&mut self.moved, &self.is_free)?;
-            contacts.keep_free(positions, inverse_mass, &mut self.moved)?;
-            positions.copy_from_slice(&self.moved);
+            let world = World {
+                inverse_mass: &self.is_free,
+                contacts: Some(contacts),
+            };
+            self.untangler.iterate(&mut self.places, world)?;
+            let own = &mut self.places[..self.cloth];
+            contacts.keep_free(positions, inverse_mass, own)?;
+            positions.copy_from_slice(own);
             self.look(contacts, positions)?;
         }
+        for ((v, x), start) in velocities.iter_mut().zip(positions).zip(&self.start) {
+            let way = *x - start;
+            let against = v.dot(&way).min(0.0);
+            if against < 0.0 {
+                *v -= way * (against / way.norm_squared());
+            }
+        }
         Ok(crossing)
+    }
+
+    /// What crosses where it was looked at last.
+    fn crossing(&self) -> CrossingPairs {
+        let is_own = |pair: &&[u32; 2]| pair.iter().all(|&t| self.is_own(t));
+        let meeting = &self.untangler.contour.meeting;
+        let own = meeting.iter().filter(is_own).count();
+        CrossingPairs {
+            own,
+            bodies: meeting.len() - own,
+        }
+    }
+
+    /// Whether a triangle is of the cloth.
+    fn is_own(&self, triangle: u32) -> bool {
+        let corners = self.untangler.contour.pairs.triangles[triangle as usize];
+        (corners[0] as usize) < self.cloth
     }
 
     /// Whether nothing crossed when a step began: contact does the rest.
     #[must_use]
     pub fn is_done(&self) -> bool {
-        self.best.is_some_and(|(fewest, _)| fewest == 0)
+        self.is_done
     }
 
-    /// The pairs of triangles that crossed when the last step began, after they were pulled apart by a step.
+    /// The pairs of triangles that crossed when the last step began, after they were pulled apart by a step. Those of
+    /// bodies are counted on from those of the cloth: of obstacles with a surface first, in their order, then animated.
     #[must_use]
     pub fn pairs(&self) -> &[[u32; 2]] {
         self.untangler.pairs()
@@ -113,31 +200,42 @@ impl StepUntangler {
     /// begun.
     #[must_use]
     pub fn unimproved_since(&self) -> Option<u32> {
-        let (fewest, since) = self.best?;
-        (fewest > 0).then_some(since)
+        let best = self.best.filter(|_| !self.is_done);
+        best.map(|(_, since)| since)
     }
 
-    /// Finds what crosses, and lets it go. Returns how many pairs.
+    /// Finds what crosses with the cloth at `positions` (m), and lets it go.
     fn look(
         &mut self,
         contacts: &mut PotentialContacts,
         positions: &[Vec3],
-    ) -> Result<usize, ContactError> {
-        self.untangler.contour.find(positions)?;
-        self.divide();
-        contacts.let_go(&self.region, &self.pairs);
-        Ok(self.untangler.contour.meeting.len())
+    ) -> Result<(), ContactError> {
+        self.places[..self.cloth].copy_from_slice(positions);
+        let world = World {
+            inverse_mass: &self.is_free,
+            contacts: Some(contacts),
+        };
+        self.untangler.contour.find(&self.places, world)?;
+        self.divide(contacts);
+        contacts.let_go(&self.region, &self.pairs, &self.passing);
+        Ok(())
     }
 
     /// Finds the regions around what crosses.
-    fn divide(&mut self) {
+    fn divide(&mut self, contacts: &PotentialContacts) {
         let untangler = &mut self.untangler;
         let (contour, smoother) = (&untangler.contour, &mut untangler.smoother);
         self.pairs.clear();
+        self.passing.clear();
         if contour.meeting.is_empty() {
             return;
         }
-        untangler.pieces.divide(contour.crossings());
+        let world = World {
+            inverse_mass: &self.is_free,
+            contacts: Some(contacts),
+        };
+        let is_inside = |vertex| world.is_inside(vertex, &self.places);
+        untangler.pieces.divide(contour.crossings(), is_inside);
         for (vertex, is_inside) in (0..).zip(&mut self.is_inside) {
             *is_inside = untangler.pieces.is_cut_off(vertex);
         }
@@ -145,6 +243,8 @@ impl StepUntangler {
         for vertex in contour.meeting.iter().flatten().flat_map(|&t| corners(t)) {
             self.is_inside[vertex as usize] = true;
         }
+        // Bodies are passed through as a whole.
+        self.is_inside[self.cloth..].fill(false);
         for _ in 0..RINGS {
             smoother.grow(&mut self.is_inside);
         }
@@ -160,35 +260,46 @@ impl StepUntangler {
                 false => 0,
             };
         }
-        let of = |t: u32| self.region[corners(t)[0] as usize];
-        let crossing = contour.meeting.iter().map(|pair| pair.map(of));
-        let sorted = crossing.map(|[a, b]| [a.min(b), a.max(b)]);
-        self.pairs.extend(sorted);
-        self.pairs.sort_unstable();
-        self.pairs.dedup();
+        for first in contour
+            .meeting
+            .iter()
+            .map(|pair| pair.map(|t| corners(t)[0]))
+        {
+            let of = |v: u32| self.region[v as usize];
+            match first.map(|v| contacts.body_of(v)) {
+                [None, None] => {
+                    let [a, b] = first.map(of);
+                    self.pairs.push([a.min(b), a.max(b)]);
+                }
+                [None, Some(body)] => self.passing.push([of(first[0]), body as u32]),
+                [Some(body), None] => self.passing.push([of(first[1]), body as u32]),
+                // Bodies do not touch each other.
+                [Some(_), Some(_)] => {}
+            }
+        }
+        for pairs in [&mut self.pairs, &mut self.passing] {
+            pairs.sort_unstable();
+            pairs.dedup();
+        }
     }
 }
 
 impl Untangler {
     /// One iteration from positions (m) whose contour has just been found: shortens it with as much averaging as helps,
     /// or pushes what is cut off.
-    fn iterate(
-        &mut self,
-        positions: &mut [Vec3],
-        inverse_mass: &[Real],
-    ) -> Result<(), CollideError> {
+    fn iterate(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<(), CollideError> {
         let before = self.contour.length();
         for rounds in SMOOTHINGS {
-            let taken = self.descend(positions, inverse_mass, rounds, self.longest_step)?;
+            let taken = self.descend(positions, world, rounds, self.longest_step)?;
             if taken.is_some() && self.contour.length() < WORTHWHILE * before {
                 return Ok(());
             }
-            self.contour.find(positions)?;
+            self.contour.find(positions, world)?;
             if taken.is_some() {
                 break;
             }
         }
-        self.push(positions, inverse_mass)?;
+        self.push(positions, world)?;
         Ok(())
     }
 }

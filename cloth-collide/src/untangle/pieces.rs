@@ -8,12 +8,14 @@ use cloth_core::topology::DisjointSets;
 
 /// Connected parts of the mesh, when the edges that pass through a triangle are taken away.
 ///
-/// Each connected mesh has a largest part, taken to be right, and the others are to go back through the surface that
-/// cut them off. This is the global analysis of Baraff et al. (2003), with the number of vertices for the size of a
-/// part.
+/// Each connected mesh has a largest part outside of bodies, taken to be right, and the others are to go back through
+/// the surface that cut them off. This is the global analysis of Baraff et al. (2003), with the number of vertices for
+/// the size of a part.
 #[derive(Debug)]
 pub(super) struct Pieces {
     edges: Vec<[u32; 2]>,
+    /// What joins vertices besides.
+    sewn: Vec<[u32; 2]>,
     /// The number of each vertex's mesh, if several are one.
     mesh_of: Vec<u32>,
     sets: DisjointSets,
@@ -30,11 +32,13 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    pub(super) fn new(mesh: &TriMesh) -> Self {
+    /// Of a mesh with pairs of vertices that are sewn together.
+    pub(super) fn new(mesh: &TriMesh, sewn: &[[u32; 2]]) -> Self {
         let (edges, _) = edge_numbers(mesh.triangles());
         let count = mesh.vertex_count();
         Self {
-            mesh_of: joined(count, &edges),
+            mesh_of: joined(count, &[&edges[..], sewn].concat()),
+            sewn: sewn.to_vec(),
             cut: vec![false; edges.len()],
             edges,
             sets: DisjointSets::default(),
@@ -52,13 +56,21 @@ impl Pieces {
         for (&[a, b], _) in self.edges.iter().zip(&self.cut).filter(|(_, cut)| !**cut) {
             self.sets.join(a, b);
         }
+        for &[a, b] in &self.sewn {
+            self.sets.join(a, b);
+        }
         for (vertex, parent) in (0..).zip(&mut self.parent) {
             *parent = self.sets.root(vertex);
         }
     }
 
-    /// Takes over where edges pass through triangles. Whether anything is cut off.
-    pub(super) fn divide(&mut self, crossings: impl Iterator<Item = Crossing>) -> bool {
+    /// Takes over where edges pass through triangles, and which vertices are inside of a body: a part is all inside or
+    /// all outside, and what is inside is not right. Whether anything is cut off.
+    pub(super) fn divide(
+        &mut self,
+        crossings: impl Iterator<Item = Crossing>,
+        is_inside: impl Fn(u32) -> bool,
+    ) -> bool {
         self.crossings.clear();
         self.crossings.extend(crossings);
         let name = |c: &Crossing| (c.sorted_edge(), c.triangle);
@@ -82,6 +94,9 @@ impl Pieces {
             if vertex == *root {
                 let mesh = self.mesh_of[vertex as usize] as usize;
                 cut_off |= vertex != mesh as u32;
+                if is_inside(vertex) {
+                    self.sizes[vertex as usize] = 0;
+                }
                 if self.sizes[vertex as usize] > self.sizes[self.largest[mesh] as usize] {
                     self.largest[mesh] = vertex;
                 }
@@ -98,7 +113,12 @@ impl Pieces {
 
     /// Replaces `out` by the way away from where the parts should go (dimensionless), so that going against it, as
     /// against a gradient, pushes them back through the triangles that cut them off, and these the other way.
-    pub(super) fn push(&mut self, positions: &[Vec3], out: &mut [Vec3]) {
+    pub(super) fn push(
+        &mut self,
+        positions: &[Vec3],
+        is_body: impl Fn(u32) -> bool,
+        out: &mut [Vec3],
+    ) {
         out.fill(Vec3::zeros());
         self.back.fill(Vec3::zeros());
         for crossing in &self.crossings {
@@ -108,6 +128,11 @@ impl Pieces {
             self.back[self.parent[inside as usize] as usize] += n;
             for (vertex, weight) in crossing.triangle.iter().zip(crossing.weights) {
                 out[*vertex as usize] += n * weight;
+                // What a part of a body has cut off goes where that goes through.
+                if is_body(inside) && self.is_cut_off(*vertex) {
+                    let root = self.parent[*vertex as usize];
+                    self.back[root as usize] -= n * weight;
+                }
             }
         }
         for (vertex, root) in self.parent.iter().enumerate() {

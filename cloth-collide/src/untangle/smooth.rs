@@ -15,8 +15,10 @@ pub(super) struct Smoother {
 }
 
 impl Smoother {
-    pub(super) fn new(mesh: &TriMesh) -> Self {
-        let (edges, _) = edge_numbers(mesh.triangles());
+    /// Of a mesh with pairs of vertices that are sewn together.
+    pub(super) fn new(mesh: &TriMesh, sewn: &[[u32; 2]]) -> Self {
+        let (mut edges, _) = edge_numbers(mesh.triangles());
+        edges.extend(sewn);
         let mut valence = vec![0.0; mesh.vertex_count()];
         for vertex in edges.iter().flatten() {
             valence[*vertex as usize] += 1.0;

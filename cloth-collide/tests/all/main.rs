@@ -26,10 +26,10 @@ mod promise;
 mod random;
 mod separation;
 mod sewn;
-#[path = "../support/sewn_garments.rs"]
-mod sewn_garments;
 #[path = "../support/shapes.rs"]
 mod shapes;
 #[path = "../support/solids.rs"]
 mod solids;
+#[path = "../../../cloth-bench/src/mesh_spec/tangled.rs"]
+mod tangled_garments;
 mod untangle;

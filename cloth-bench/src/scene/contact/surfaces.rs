@@ -2,7 +2,7 @@
 
 use super::ContactSetup;
 use crate::error::BenchError;
-use cloth_collide::obstacle::Pose;
+use cloth_collide::obstacle::{Obstacle, Pose};
 use cloth_collide::{BodyProbe, distance_from_surface};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -81,18 +81,40 @@ impl ContactSetup {
         rigid.chain(animated)
     }
 
+    /// The body of a triangle, and which of its own it is, in words; counted from 0 through the triangles of those
+    /// bodies that have edges, in the order of [`ContactSetup::body_numbers`].
+    #[must_use]
+    pub(crate) fn body_triangle(&self, triangle: usize) -> Option<String> {
+        let rigid = self.shapes.iter().map(|(shape, needed)| (shape, *needed));
+        let animated = self.animated.iter().map(|(shape, ..)| (shape, true));
+        let mut first = 0;
+        for ((shape, _), number) in rigid.chain(animated).zip(&self.numbers).filter(|b| b.0.1) {
+            let next = first + shape.triangle_count();
+            if triangle < next {
+                return Some(format!("{} of obstacle {}", triangle - first, number + 1));
+            }
+            first = next;
+        }
+        None
+    }
+
     /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without
-    /// a sign from the triangles of an animated one. None where there are no bodies.
+    /// a sign from the triangles of one without an inside. None where there are no bodies.
     #[must_use]
     pub fn min_clearance(&self, x: &[Vec3], time: Real) -> Option<Real> {
-        let rigid = self.obstacles().flat_map(|obstacle| {
+        let has_inside = |obstacle: &Obstacle| obstacle.shape().error_bound() < Real::INFINITY;
+        let rigid = self.obstacles().filter(|o| has_inside(o));
+        let rigid = rigid.flat_map(|obstacle| {
             let clearance = move |&x: &Vec3| obstacle.signed_distance(x, time).value;
             x.iter().map(clearance)
         });
-        let animated = self.surfaces(time).skip(self.obstacles.len());
-        let animated = animated
+        let own = self.obstacles().map(has_inside);
+        let hollow = self.surfaces(time).zip(own.chain(std::iter::repeat(false)));
+        let hollow = hollow.filter(|(_, has_inside)| !has_inside);
+        let hollow = hollow
+            .map(|(surface, _)| surface)
             .filter_map(|(positions, triangles)| distance_from_surface(x, &positions, triangles));
-        rigid.chain(animated).reduce(Real::min)
+        rigid.chain(hollow).reduce(Real::min)
     }
 
     /// What counts the triangles of the cloth `mesh` that go through bodies; nothing where no body has an edge.

@@ -280,17 +280,6 @@ impl<'a> Sections<'a> {
         }
         touch.pieces = roughness::of_pieces(&contact, &self.roughness, &counts, order.as_ref())?;
         touch.check_friction(&contact)?;
-        if let (true, Some(section)) = (
-            touch.excludes_and_untangles(),
-            self.roughness.iter().flatten().next(),
-        ) {
-            let message = "untangle would pull apart pieces that exclude lets pass";
-            return Err(section.refuse_table(message));
-        }
-        if let (true, Some(section)) = (touch.untangles(), self.seams.first()) {
-            let message = "untangle would pull apart what a seam draws together";
-            return Err(section.refuse_table(message));
-        }
         if let (true, Some(section)) = (touch.is_idle(), self.roughness.iter().flatten().next()) {
             let message = "has no meaning without anything to touch";
             return Err(section.refuse_table(message));

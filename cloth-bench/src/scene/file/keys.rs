@@ -127,8 +127,9 @@ crate::settings! {
     /// Of an `[[obstacle]]`.
     pub(super) struct Obstacle {
         shape: Option<Shape> = "needed",
-            "\"sphere\", \"box\", \"capsule\" (along its own z), \"plane\" (up along its own z), \"mesh\" (closed) or \
-             \"animation\" (open or closed, moved by its files)";
+            "\"sphere\", \"box\", \"capsule\" (along its own z), \"plane\" (up along its own z), \"mesh\" (closed; an \
+             open one, or one through itself, has no inside: its triangles alone keep the cloth on the side where it \
+             is) or \"animation\" (open or closed, moved by its files)";
         radius: Option<Real> = "needed" "m" in Above(0.0), "of a sphere or a capsule";
         size: Option<Vec3> = "needed" "m" in Above(0.0), "the three edges of a box";
         length: Option<Real> = "needed" "m" in AtLeast(0.0), "of the straight part of a capsule";

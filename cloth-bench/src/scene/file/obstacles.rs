@@ -10,7 +10,7 @@ use crate::scene::touching;
 use crate::settings::Setting;
 use cloth_collide::obstacle::{
     AnimatedMesh, Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose, RigidBody,
-    RigidMotion, SampledDistance, Sphere,
+    RigidMotion, SampledDistance, Sphere, SurfaceOnly,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{self, Diagonals, sphere};
@@ -29,8 +29,17 @@ pub(super) fn body(
     if *own.shape == Some(Shape::Animation) {
         return animated(section, &own, folder);
     }
-    let (obstacle, surface, free) = rigid(section, &own, folder, [size, thickness], gravity)?;
+    let mut why_hollow = None;
+    let (obstacle, surface, free) = match *own.shape {
+        Some(Shape::Mesh) => {
+            let (body, why) = of_mesh(section, &own, folder, thickness, gravity)?;
+            why_hollow = why;
+            body
+        }
+        _ => rigid(section, &own, [size, thickness], gravity)?,
+    };
     Ok(Body::Rigid {
+        why_hollow,
         obstacle,
         surface,
         free: free.map(Box::new),
@@ -88,13 +97,15 @@ fn animated(
     Ok(Body::Animated(mesh, animation, *own.friction))
 }
 
+/// A rigid body, its surface in its own frame, and its mass if the cloth can push it.
+type Rigid = (Obstacle, TriMesh, Option<RigidBody>);
+
 fn rigid(
     section: &Section<'_>,
     own: &keys::Obstacle,
-    folder: &Path,
     [size, thickness]: [Real; 2],
     gravity: Vec3,
-) -> Result<(Obstacle, TriMesh, Option<RigidBody>), BenchError> {
+) -> Result<Rigid, BenchError> {
     let refused = |error: ObstacleError| section.refuse_table(error);
     let density = *own.density;
     let free = |body: Option<Result<RigidBody, ObstacleError>>| {
@@ -150,39 +161,86 @@ fn rigid(
             }
             Ok((placed(Obstacle::moving(plane, motion))?, surface, None))
         }
-        Some(Shape::Mesh) => {
-            only(section, own, &["file", "generator", "scale", "sampled"])?;
-            let (surface, motion, body_of) = centred(section, own, folder, motion, gravity)?;
-            let source = section.read::<Source>()?;
-            let key = match source.file.is_some() {
-                true => source.file,
-                false => source.generator,
-            };
-            let body = ClosedMesh::new(&surface).map_err(|error| key.refuse(error))?;
-            let obstacle = match *own.sampled {
-                None => Obstacle::moving(body, motion),
-                Some(spacing) => {
-                    let padding = 2.0 * thickness + spacing;
-                    let grid = SampledDistance::new(&body, spacing, padding)
-                        .map_err(|error| own.sampled.refuse(error))?;
-                    Obstacle::moving(grid, motion)
-                }
-            };
-            Ok((placed(obstacle)?, surface, body_of))
-        }
-        Some(Shape::Animation) | None => Err(section.refuse_table("needs a shape")),
+        Some(Shape::Mesh | Shape::Animation) | None => Err(section.refuse_table("needs a shape")),
     }
 }
 
-/// The mesh of a body, and its motion. If it has a density, its frame has its origin in the centre of mass.
-fn centred(
+/// A body of triangles, and why it has no inside, if it has none.
+fn of_mesh(
     section: &Section<'_>,
     own: &keys::Obstacle,
     folder: &Path,
+    thickness: Real,
+    gravity: Vec3,
+) -> Result<(Rigid, Option<String>), BenchError> {
+    only(section, own, &["file", "generator", "scale", "sampled"])?;
+    let placed =
+        |shape: Result<Obstacle, ObstacleError>| shape.map_err(|error| section.refuse_table(error));
+    let surface = mesh::scaled(section, folder)?;
+    let closed = match ClosedMesh::new(&surface) {
+        Ok(closed) => closed,
+        Err(error) => {
+            let why = hollow(section, own, error)?;
+            let body = placed(Obstacle::moving(SurfaceOnly, motion(own)))?;
+            return Ok(((body, surface, None), Some(why)));
+        }
+    };
+    let (surface, motion, free) = centred(section, own, surface, motion(own), gravity)?;
+    let body = match free {
+        Some(_) => ClosedMesh::new(&surface).map_err(|error| section.refuse_table(error))?,
+        None => closed,
+    };
+    let obstacle = match *own.sampled {
+        None => Obstacle::moving(body, motion),
+        Some(spacing) => {
+            let padding = 2.0 * thickness + spacing;
+            let grid = SampledDistance::new(&body, spacing, padding)
+                .map_err(|error| own.sampled.refuse(error))?;
+            Obstacle::moving(grid, motion)
+        }
+    };
+    Ok(((placed(obstacle)?, surface, free), None))
+}
+
+/// Why a mesh has no inside, if it can do without.
+fn hollow(
+    section: &Section<'_>,
+    own: &keys::Obstacle,
+    error: ObstacleError,
+) -> Result<String, BenchError> {
+    for (is_given, name) in [
+        (own.sampled.is_some(), "sampled"),
+        (own.density.is_some(), "density"),
+    ] {
+        if is_given {
+            let message = format!("{name} needs an inside, but {error}");
+            return Err(section.refuse_table(message));
+        }
+    }
+    // Not meant like that, rather than without an inside.
+    let is_mistake = matches!(
+        error,
+        ObstacleError::InsideOut { .. } | ObstacleError::NonFinite { .. }
+    );
+    if is_mistake {
+        let source = section.read::<Source>()?;
+        let key = match source.file.is_some() {
+            true => source.file,
+            false => source.generator,
+        };
+        return Err(key.refuse(error));
+    }
+    Ok(error.to_string())
+}
+
+/// The surface of a body, and its motion. If it has a density, its frame has its origin in the centre of mass.
+fn centred(
+    section: &Section<'_>,
+    own: &keys::Obstacle,
+    surface: TriMesh,
     motion: RigidMotion,
     gravity: Vec3,
 ) -> Result<(TriMesh, RigidMotion, Option<RigidBody>), BenchError> {
-    let surface = mesh::scaled(section, folder)?;
     let Some(density) = *own.density else {
         return Ok((surface, motion, None));
     };
