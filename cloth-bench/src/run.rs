@@ -114,7 +114,7 @@ pub struct Summary {
     /// Smallest distance (m) at the end of a vertex from a body, negative inside a rigid one and without a sign from an
     /// animated one; none where there are no bodies.
     pub min_clearance: Option<Real>,
-    /// Largest distance (m) at the end between two vertices that are sewn together; none where there is no seam.
+    /// Largest distance (m) at the end of a vertex from what it is sewn to; none where there is no seam.
     pub max_seam_gap: Option<Real>,
     /// Largest change of a sealed volume at the end (dimensionless, of its rest volume); none where there is none.
     pub max_volume_change: Option<Real>,
@@ -250,7 +250,9 @@ impl<'a> Course<'a> {
                 self.untangler = unfinished.and_then(|_| scene.untangler());
             }
             if let (ChangeKind::Sew { .. }, Some(timed)) = (&change.kind, &mut self.contacts) {
-                timed.source.contacts.sew(&scene.sewn());
+                let seam = scene.model.seam();
+                let (pairs, onto_edges) = (seam.sewn_pairs(), seam.sewn_onto_edges());
+                timed.source.contacts.sew(&pairs, &onto_edges);
             }
             self.changes += 1;
             self.scene = Cow::Owned(scene);

@@ -21,7 +21,6 @@ use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
 use cloth_core::cloth::{ClothModel, Elements};
-use cloth_core::element::Element;
 use cloth_core::enclosure::{ClosedVolume, Enclosed, Pressure};
 use cloth_core::energy::{Spring, Stitch};
 use cloth_core::math::{Real, Vec3};
@@ -105,7 +104,7 @@ impl Scene {
             return Ok(None);
         };
         let touching = match &self.touch {
-            Some(touch) => touch.source(mesh, &self.sewn())?,
+            Some(touch) => touch.source(mesh, &self.model.seam())?,
             None => None,
         };
         let contacts = match touching {
@@ -128,21 +127,22 @@ impl Scene {
             || SeparationProbe::new(mesh),
             |touch| touch.separation_probe(mesh),
         );
-        Some(probe.sew(&self.sewn()))
+        let seam = self.model.seam();
+        Some(probe.sew(&seam.sewn_pairs(), &seam.sewn_onto_edges()))
     }
 
     /// Pairs of vertices that are sewn together, or are being drawn together.
     #[must_use]
     pub fn sewn(&self) -> Vec<[u32; 2]> {
-        self.model.stitches().map(Element::vertices).collect()
+        self.model.seam().sewn_pairs()
     }
 
-    /// Largest distance (m) between two vertices that are sewn together, if any are.
+    /// Largest distance (m) of a vertex from the one that it is sewn to, or from its point of an edge, if any is sewn.
     #[must_use]
     pub fn max_seam_gap(&self, state: &State) -> Option<Real> {
-        let x = |vertex: u32| state.positions[vertex as usize];
-        let pairs = self.sewn().into_iter();
-        pairs.map(|[a, b]| (x(a) - x(b)).norm()).reduce(Real::max)
+        let seam = self.model.seam();
+        let gaps = seam.gaps(&state.positions).map(|gap| gap.norm());
+        gaps.reduce(Real::max)
     }
 
     /// Largest change of a sealed volume (dimensionless, of its rest volume), if there is any.
@@ -154,8 +154,15 @@ impl Scene {
 
     /// Whether a seam closes in the step of `dt` (s) that has ended at `time` (s).
     pub(crate) fn is_closing(&self, time: Real, dt: Real) -> bool {
-        let changes = |s: &Stitch| s.rest_length_at(time) != s.rest_length_at(time - dt);
-        self.model.stitches().any(changes)
+        fn changes<const N: usize>(stitch: &Stitch<N>, [a, b]: [Real; 2]) -> bool {
+            stitch.rest_length_at(a) != stitch.rest_length_at(b)
+        }
+        let times = [time - dt, time];
+        self.model.stitches().any(|stitch| changes(stitch, times))
+            || self
+                .model
+                .edge_stitches()
+                .any(|stitch| changes(stitch, times))
     }
 
     /// What pulls the cloth apart during a run, if the scene wants that.
@@ -234,6 +241,7 @@ impl Scene {
             && self.gases.is_empty()
             && self.changes.is_empty()
             && self.model.stitches().next().is_none()
+            && self.model.edge_stitches().next().is_none()
             && self.volumes.is_empty()
             && !self.can_touch()
     }

@@ -49,7 +49,7 @@ pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
 pub use relief::{SpringEdges, SpringLaw};
 
-use crate::energy::{CurvatureHinge, Spring, Stitch};
+use crate::energy::{CurvatureHinge, Seam, Spring, Stitch};
 use crate::error::{OutOfRange, not_negative};
 use crate::math::Real;
 use crate::mesh::{MeshError, TriMesh};
@@ -189,10 +189,14 @@ impl ClothModel {
             .collect()
     }
 
-    /// Sews pairs of vertices together, besides those that are sewn already.
-    pub fn sew(&mut self, stitches: Vec<Stitch>) {
-        if !stitches.is_empty() {
-            Elements::merge(&mut self.others, Elements::Stitches(stitches));
+    /// Sews the cloth, besides what is sewn already.
+    pub fn sew(&mut self, seam: Seam) {
+        let stitches = [
+            Elements::Stitches(seam.pairs),
+            Elements::EdgeStitches(seam.onto_edges),
+        ];
+        for stitches in stitches.into_iter().filter(|stitches| !stitches.is_empty()) {
+            Elements::merge(&mut self.others, stitches);
         }
     }
 
@@ -212,12 +216,29 @@ impl ClothModel {
         self.springs.iter().chain(others)
     }
 
-    /// The stitches of all seams.
+    /// The stitches of all seams from vertex to vertex.
     pub fn stitches(&self) -> impl Iterator<Item = &Stitch> + '_ {
         self.others.iter().flat_map(|family| match family {
             Elements::Stitches(stitches) => &stitches[..],
             _ => &[],
         })
+    }
+
+    /// The stitches of all seams from a vertex to a point of an edge.
+    pub fn edge_stitches(&self) -> impl Iterator<Item = &Stitch<3>> + '_ {
+        self.others.iter().flat_map(|family| match family {
+            Elements::EdgeStitches(stitches) => &stitches[..],
+            _ => &[],
+        })
+    }
+
+    /// All seams as one.
+    #[must_use]
+    pub fn seam(&self) -> Seam {
+        Seam {
+            pairs: self.stitches().copied().collect(),
+            onto_edges: self.edge_stitches().copied().collect(),
+        }
     }
 
     /// The elastic energy, of stitches at the time that they have been set to.

@@ -4,7 +4,7 @@
 use super::Scene;
 use crate::error::BenchError;
 use cloth_core::cloth::ClothModel;
-use cloth_core::energy::Stitch;
+use cloth_core::energy::Seam;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
@@ -35,13 +35,11 @@ pub enum ChangeKind {
         /// Their numbers.
         vertices: Vec<usize>,
     },
-    /// Pairs of vertices are drawn together, from the distance that they have.
+    /// Vertices are drawn to others, or to points of edges, from the distance that they have.
     Sew {
-        /// Their numbers.
-        pairs: Vec<[u32; 2]>,
-        /// Stiffness of each stitch (N/m).
-        stiffness: Vec<Real>,
-        /// When they have come together (s since the start).
+        /// The stitches, closed ones.
+        seam: Seam,
+        /// When they have closed (s since the start).
         until: Real,
     },
     /// A force acts on vertices from now on, spread over them by their masses.
@@ -127,29 +125,21 @@ impl Scene {
                 }
                 scene.pins = Some(Arc::new(pins)).filter(|pins| !pins.is_empty());
             }
-            ChangeKind::Sew {
-                pairs,
-                stiffness,
-                until,
-            } => {
-                let x = |vertex: u32| state.positions[vertex as usize];
+            ChangeKind::Sew { seam, until } => {
                 let times = [state.time, *until];
-                let stitch = |(&[a, b], &k): (&[u32; 2], &Real)| {
-                    Stitch::closing([a, b], k, (x(a) - x(b)).norm(), times)
-                };
-                let stitches = pairs.iter().zip(stiffness).map(stitch);
-                scene.model.sew(stitches.collect());
+                let seam = seam.clone().closing(&state.positions, times);
+                scene.model.sew(seam);
             }
             ChangeKind::Push { .. } => {}
             ChangeKind::Tear { mesh, model } => {
-                let stitches = scene.model.stitches().copied().collect();
+                let seam = scene.model.seam();
                 let particles = scene.model.particles;
                 scene.mesh = Some(mesh.clone());
                 scene.model = ClothModel {
                     particles,
                     ..(**model).clone()
                 };
-                scene.model.sew(stitches);
+                scene.model.sew(seam);
             }
         }
         Ok(scene)

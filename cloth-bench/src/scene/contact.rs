@@ -10,6 +10,7 @@ use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, Rigi
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_collide::{BroadPhaseKind, SeparationProbe};
+use cloth_core::energy::Seam;
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 
@@ -256,15 +257,14 @@ impl ContactSetup {
         self.untangles && self.pieces.as_ref().is_some_and(excludes)
     }
 
-    /// What resolves contact of the cloth `mesh`, with pairs of vertices that are `sewn` together; nothing where there
-    /// is nothing to touch.
+    /// What resolves contact of the cloth `mesh` with this seam; nothing where there is nothing to touch.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a mesh or a setting that does not serve.
     pub fn source(
         &self,
         mesh: &TriMesh,
-        sewn: &[[u32; 2]],
+        seam: &Seam,
     ) -> Result<Option<PotentialContacts>, BenchError> {
         if self.is_idle() {
             return Ok(None);
@@ -276,7 +276,7 @@ impl ContactSetup {
             .broad_phase(self.broad_phase)
             .pinched_cloth_passes(self.pinched_passes)
             .self_collision(self.self_collision)
-            .sew(sewn);
+            .sew(&seam.sewn_pairs(), &seam.sewn_onto_edges());
         if let Some(pieces) = &self.pieces {
             contacts = contacts
                 .thickness_of_vertices(pieces.thickness.clone())

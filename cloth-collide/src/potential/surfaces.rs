@@ -262,10 +262,10 @@ impl PotentialContacts {
         ledger.map(|ledger| &ledger.forces)
     }
 
-    /// From the next step on these pairs of vertices are sewn together, and no others; see
+    /// From the next step on these vertices are sewn together, and no others; see
     /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
-    pub fn sew(&mut self, pairs: &[[u32; 2]]) {
-        self.contacts.near.own.sewn = Sewn::new(pairs);
+    pub fn sew(&mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) {
+        self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges);
         self.contacts.is_anew = true;
     }
 

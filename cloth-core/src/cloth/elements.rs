@@ -39,8 +39,10 @@ pub enum Elements {
     Cubic(Vec<CubicShell>),
     /// Quadratic hinges between triangles that share the middle of an edge.
     Midpoint(Vec<MidpointHinge>),
-    /// Stitches of seams.
+    /// Stitches of seams from vertex to vertex.
     Stitches(Vec<Stitch>),
+    /// Stitches of seams from a vertex to a point of an edge.
+    EdgeStitches(Vec<Stitch<3>>),
 }
 
 impl Elements {
@@ -59,6 +61,7 @@ impl Elements {
             Self::Cubic(_) => "cubic-shell hinges",
             Self::Midpoint(_) => "hinges of edge midpoints",
             Self::Stitches(_) => "stitches",
+            Self::EdgeStitches(_) => "stitches onto edges",
         }
     }
 
@@ -77,6 +80,7 @@ impl Elements {
             Self::Cubic(elements) => elements.len(),
             Self::Midpoint(elements) => elements.len(),
             Self::Stitches(elements) => elements.len(),
+            Self::EdgeStitches(elements) => elements.len(),
         }
     }
 
@@ -103,6 +107,7 @@ impl Elements {
                 (Self::Cubic(own), Self::Cubic(more)) => return own.append(more),
                 (Self::Midpoint(own), Self::Midpoint(more)) => return own.append(more),
                 (Self::Stitches(own), Self::Stitches(more)) => return own.append(more),
+                (Self::EdgeStitches(own), Self::EdgeStitches(more)) => return own.append(more),
                 _ => {}
             }
         }
@@ -123,6 +128,7 @@ impl Elements {
             Self::Cubic(elements) => visitor.visit(elements),
             Self::Midpoint(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
+            Self::EdgeStitches(elements) => visitor.visit(elements),
         }
     }
 
@@ -142,6 +148,7 @@ impl Elements {
             Self::Dihedral(elements) => visitor.visit(elements),
             Self::Midpoint(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
+            Self::EdgeStitches(elements) => visitor.visit(elements),
             Self::Cubic(_) => return Err(self.no_view("is a sum of squares ½ k C²")),
         })
     }
@@ -160,6 +167,7 @@ impl Elements {
             Self::Curved(elements) => visitor.visit(elements),
             Self::Midpoint(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
+            Self::EdgeStitches(elements) => visitor.visit(elements),
             Self::Stvk(_) | Self::Dihedral(_) | Self::Cubic(_) => {
                 return Err(self.no_view("is a squared distance ½ w ‖Sx − p‖² to a set"));
             }

@@ -218,7 +218,7 @@ impl<'a> Sections<'a> {
         let borders = seam::Borders::new(&self.seams, &mesh, &counts)?;
         let mut seams = Vec::new();
         for (section, borders) in self.seams.iter().zip(borders.iter().cycle()) {
-            seams.push(borders.pairs(section)?);
+            seams.push(borders.ends(section)?);
         }
         seam::refuse_repeated(&self.seams, &seams)?;
         let mut links = Vec::new();
@@ -307,8 +307,8 @@ impl<'a> Sections<'a> {
         };
         start::apply(&self.start, &mut scene)?;
         let order = scene.order.clone();
-        for (section, pairs) in self.seams.iter().zip(seams) {
-            seam::apply(section, pairs, &material, order.as_ref(), &mut scene)?;
+        for (section, ends) in self.seams.iter().zip(seams) {
+            seam::apply(section, ends, &material, order.as_ref(), &mut scene)?;
         }
         scene.changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(scene)

@@ -110,16 +110,18 @@ crate::settings! {
              this or first_border";
         first_border: Option<Vec<u32>> = "none",
             "the two ends of the first chain, which goes along the border the shorter way; a number in between says \
-             which way, such as [0, 5, 40]";
+             which way, such as [0, 5, 40]; the same end twice is all of the border, such as [0, 5, 0]";
         second: Option<Vec<u32>> = "none",
-            "the same of the second chain: as many vertices, each for the one of the first in the same place";
+            "the same of the second chain: as many vertices, each for the one of the first in the same place; of another \
+             number the vertices of the chain that has more are sewn to the points of the other at the same fraction of \
+             its length";
         second_border: Option<Vec<u32>> = "none",
             "the same of the second chain; its first end is sewn to the first end of the other";
         stiffness: Option<Real> = "none" "N/m" in Above(0.0),
-            "of the stitch between two vertices; none: the stiffness of the cloth's springs, or the modulus that is \
+            "of the stitch at each vertex; none: the stiffness of the cloth's springs, or the modulus that is \
              given in its place, of two pieces the smaller one";
         from: Real = 0 "s" in AtLeast(0.0),
-            "time at which sewing begins, whatever the distance between two vertices is then";
+            "time at which sewing begins, whatever the distance of a vertex from what it is sewn to is then";
         until: Option<Real> = "none" "s" in AtLeast(0.0),
             "time at which that distance, which falls at a constant rate, is zero, after from; none: the chains lie on \
              each other at the start";
