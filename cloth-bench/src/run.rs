@@ -242,7 +242,7 @@ impl<'a> Course<'a> {
                 self.rebuilds += 1;
             }
             if let (ChangeKind::Tear { .. }, Some(timed)) = (&change.kind, &mut self.contacts)
-                && let Some(source) = scene.contacts()?
+                && let Some(source) = scene.contacts_from(state.time)?
             {
                 timed.source = source;
                 timed.source.contacts.record_forces(self.forces);
@@ -331,7 +331,7 @@ impl<'a> Course<'a> {
             let bodies = contacts.map_or(0.0, ContactSource::work);
             let stored = contacts.map_or(0.0, ContactSource::potential_energy);
             balance.add_work(state, load, &report, bodies);
-            if is_tangled || self.scene.is_closing(state.time, dt) {
+            if is_tangled || self.scene.is_driven(state.time, dt) {
                 balance.accept(state, stored);
             }
             balance.end_step(state, dt, stored);

@@ -10,11 +10,11 @@ pub mod pins;
 mod touching;
 
 pub use build::build;
-pub use change::{Change, ChangeKind, Motion};
+pub use change::{Change, ChangeKind};
 pub use contact::{BodySurface, ContactSetup};
 
 use crate::error::BenchError;
-use crate::settings::{Parameter, Range::*, Table};
+use crate::settings::{Parameter, Range::*, Settings, Table};
 use cloth::{EdgeSprings, Material, Stiffness};
 use cloth_collide::SeparationProbe;
 use cloth_collide::potential::PotentialContacts;
@@ -28,7 +28,7 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::Diagonals;
 use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
-use cloth_core::pin::Pins;
+use cloth_core::pin::{Motion, Pins};
 use cloth_core::step::BuildError;
 use cloth_core::topology::EdgeTable;
 use contact::{Contact, Surface};
@@ -66,6 +66,8 @@ pub struct Scene {
     pub air: Option<Air>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
     pub order: Option<cloth_core::method::ordering::Order>,
+    /// What its file says of methods, by the names of these.
+    pub methods: Vec<(&'static str, Settings)>,
 }
 
 impl Scene {
@@ -92,7 +94,15 @@ impl Scene {
             volumes: Vec::new(),
             air: None,
             order: None,
+            methods: Vec::new(),
         }
+    }
+
+    /// The settings of a method that stand in the file of the scene.
+    #[must_use]
+    pub fn settings_of(&self, method: &str) -> Settings {
+        let own = self.methods.iter().find(|(name, _)| *name == method);
+        own.map_or_else(Settings::default, |(_, settings)| settings.clone())
     }
 
     /// What resolves contact, if the scene has anything to touch, and keeps volumes, if it has any.
@@ -100,11 +110,19 @@ impl Scene {
     /// # Errors
     /// [`BenchError::Usage`] for a mesh that does not serve.
     pub fn contacts(&self) -> Result<Option<Enclosed<PotentialContacts>>, BenchError> {
+        self.contacts_from(0.0)
+    }
+
+    /// The same for steps that begin at a time (s).
+    pub(crate) fn contacts_from(
+        &self,
+        time: Real,
+    ) -> Result<Option<Enclosed<PotentialContacts>>, BenchError> {
         let Some(mesh) = &self.mesh else {
             return Ok(None);
         };
         let touching = match &self.touch {
-            Some(touch) => touch.source(mesh, &self.model.seam())?,
+            Some(touch) => touch.source(mesh, &self.model.seam(), time)?,
             None => None,
         };
         let contacts = match touching {
@@ -152,8 +170,8 @@ impl Scene {
         self.volumes.iter().map(change).reduce(Real::max)
     }
 
-    /// Whether a seam closes in the step of `dt` (s) that has ended at `time` (s).
-    pub(crate) fn is_closing(&self, time: Real, dt: Real) -> bool {
+    /// Whether a seam closes, or the point of a soft pin moves, in the step of `dt` (s) that has ended at `time` (s).
+    pub(crate) fn is_driven(&self, time: Real, dt: Real) -> bool {
         fn changes<const N: usize>(stitch: &Stitch<N>, [a, b]: [Real; 2]) -> bool {
             stitch.rest_length_at(a) != stitch.rest_length_at(b)
         }
@@ -163,6 +181,10 @@ impl Scene {
                 .model
                 .edge_stitches()
                 .any(|stitch| changes(stitch, times))
+            || self
+                .model
+                .soft_pins()
+                .any(|pin| pin.target_at(times[0]) != pin.target_at(time))
     }
 
     /// What pulls the cloth apart during a run, if the scene wants that.
@@ -219,7 +241,7 @@ impl Scene {
         let is_soft = |spring: &Spring| spring.stiffness.is_finite();
         soft.springs.retain(is_soft);
         for family in &mut soft.others {
-            if let Elements::Springs(springs) = family {
+            if let Elements::Springs(springs) | Elements::Links(springs) = family {
                 springs.retain(is_soft);
             }
         }
@@ -242,6 +264,10 @@ impl Scene {
             && self.changes.is_empty()
             && self.model.stitches().next().is_none()
             && self.model.edge_stitches().next().is_none()
+            && self
+                .model
+                .soft_pins()
+                .all(|pin| *pin.motion() == Motion::NONE)
             && self.volumes.is_empty()
             && !self.can_touch()
     }

@@ -25,6 +25,7 @@
 //! | φ = ±min over triangles, the sign from angle-weighted normals | [`ClosedMesh`] |
 //! | Σ ψ(d) over triangles − edges + vertices, in place of ψ(φ) | [`SignedDistance::each_part`] |
 //! | φ = Σ wᵢ φᵢ over the 27 nodes around, a quadratic B-spline | [`SampledDistance`] |
+//! | φ(x) = φ₀(x − a) | [`Shifted`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
 //! | v = P/m + g Δt, ω = J⁻¹ L, P ← P + m g Δt + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
@@ -58,6 +59,7 @@ mod penalty;
 mod placed;
 mod rigid_body;
 mod sampled;
+mod shifted;
 mod sphere;
 mod sweep;
 
@@ -74,6 +76,7 @@ pub use penalty::PenaltyLaw;
 pub use placed::Obstacle;
 pub use rigid_body::RigidBody;
 pub use sampled::SampledDistance;
+pub use shifted::Shifted;
 pub use sphere::Sphere;
 pub use sweep::{FirstContact, VertexPath, first_contact};
 

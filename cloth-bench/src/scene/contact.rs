@@ -257,7 +257,8 @@ impl ContactSetup {
         self.untangles && self.pieces.as_ref().is_some_and(excludes)
     }
 
-    /// What resolves contact of the cloth `mesh` with this seam; nothing where there is nothing to touch.
+    /// What resolves contact of the cloth `mesh` with this seam, from a time (s) on; nothing where there is nothing to
+    /// touch.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a mesh or a setting that does not serve.
@@ -265,6 +266,7 @@ impl ContactSetup {
         &self,
         mesh: &TriMesh,
         seam: &Seam,
+        time: Real,
     ) -> Result<Option<PotentialContacts>, BenchError> {
         if self.is_idle() {
             return Ok(None);
@@ -276,6 +278,7 @@ impl ContactSetup {
             .broad_phase(self.broad_phase)
             .pinched_cloth_passes(self.pinched_passes)
             .self_collision(self.self_collision)
+            .begins_at(time)
             .sew(&seam.sewn_pairs(), &seam.sewn_onto_edges());
         if let Some(pieces) = &self.pieces {
             contacts = contacts

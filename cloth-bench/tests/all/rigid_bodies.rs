@@ -324,7 +324,7 @@ fn pbd_pushes_no_body() {
         .build(&scene, &Settings::default(), scene.dt)
         .err()
         .unwrap();
-    let words = "`pbd` cannot push an obstacle that has a density: ";
+    let words = "`pbd` cannot push an obstacle that has a mass: ";
     assert!(said.to_string().starts_with(words), "{said}");
 }
 

@@ -80,7 +80,8 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>) -> Self {
+    /// `time` is that (s) at which the first step begins.
+    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>, time: Real) -> Self {
         let own = list.iter().map(|(mesh, _)| mesh.vertex_count());
         let count = cloth + own.sum::<usize>();
         let room = || vec![Vec3::zeros(); count];
@@ -92,8 +93,8 @@ impl Surfaces {
         Self {
             cloth,
             list: list.into_iter().map(nowhere).collect(),
-            time: 0.0,
-            begun: 0.0,
+            time,
+            begun: time,
             inverse_mass: vec![0.0; count],
             from: room(),
             to: room(),

@@ -21,7 +21,7 @@ use cloth_core::step::BuildError;
 /// | element | C | ∂C/∂xᵢ | where ∂C has no value |
 /// |---|---|---|---|
 /// | `Spring` | `l − L`, `l = ‖x₀ − x₁‖` | n and −n, `n = (x₀ − x₁)/l` | l = 0: any n, by the vertex numbers |
-/// | `Attachment` | three: `x − p` | e_a | |
+/// | `Attachment`, `SoftPin` | three: `x − p` | e_a | |
 /// | [`Joint`](crate::links::Joint) | three: `x₀ − x₁` | e_a and −e_a | |
 /// | closed `Stitch` | three: `z = Σ qᵢ xᵢ` | qᵢ e_a | |
 /// | `CurvatureHinge`, `MidpointHinge` | three: `z = Σ qᵢ xᵢ` | qᵢ e_a | |
