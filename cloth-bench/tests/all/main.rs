@@ -3,6 +3,7 @@
 
 mod animations;
 mod bending_laws;
+mod body_mass;
 mod broad_phase;
 mod ccd;
 mod changes;
@@ -28,6 +29,7 @@ mod locking;
 mod memory;
 mod mesh_spec;
 mod messages;
+mod method_tables;
 mod names;
 mod pinched;
 #[path = "../support/program.rs"]
@@ -45,9 +47,12 @@ mod scene_file;
 mod scene_text;
 mod seam;
 mod settings;
+mod soft_pins;
 mod stops;
 mod studies;
 mod tangled;
+mod tears;
+mod uneven_seams;
 mod untangle;
 mod user_forces;
 mod volume;

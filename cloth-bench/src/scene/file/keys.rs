@@ -104,7 +104,8 @@ crate::settings! {
     pub(super) struct Tear {
         time: Option<Real> = "needed" "s" in AtLeast(0.0), "of the tear";
         corners as "box": Option<[Vec3; 2]> = "needed" "m",
-            "two corners such as [[0, 0, 0], [1, 1, 1]]: triangles whose middle, at rest, is in between vanish";
+            "two corners such as [[0, 0, 0], [1, 1, 1]]: triangles whose middle, at rest, is in between vanish, but \
+             none that would leave a vertex alone";
     }
     /// Of a `[[seam]]`.
     pub(super) struct Seam {
@@ -270,7 +271,7 @@ pub const SECTIONS: [SectionInfo; 17] = [
     SectionInfo {
         head: "[[tear]]",
         about: "triangles that are torn out; their mass stays with their corners, and what is inside a closed piece \
-                escapes",
+                escapes; not of a cloth with a coarse level, which carries a whole mesh",
         keys: &[Tear::PARAMETERS],
     },
     SectionInfo {

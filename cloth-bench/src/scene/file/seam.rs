@@ -1,11 +1,15 @@
 //! `[[seam]]`: two chains of border vertices that are drawn together.
 
+mod chain;
+
 use super::document::Section;
 use super::keys::Seam;
 use super::material::Material;
 use crate::error::BenchError;
 use crate::scene::{Change, ChangeKind, Scene};
 use crate::settings::Setting;
+use chain::Chain;
+pub(super) use chain::Ends;
 use cloth_core::energy::{Seam as Stitches, Stitch};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
@@ -204,9 +208,12 @@ impl<'a> Borders<'a> {
     fn round(&self, from: u32, past: u32) -> Result<Vec<u32>, String> {
         let mut way = self.between(&[from, past])?;
         let [forward, backward] = self.ways(&[from, past], [past, from])?;
-        // Both ways back: the one that does not go where the first has been.
-        let is_new = |back: &Vec<u32>| back.len() < 3 || !way.contains(&back[1]);
-        let back = if is_new(&forward) { forward } else { backward };
+        let before_past = way[way.len() - 2];
+        let back = if forward[1] == before_past {
+            backward
+        } else {
+            forward
+        };
         way.extend(&back[1..]);
         Ok(way)
     }
@@ -235,108 +242,29 @@ impl<'a> Borders<'a> {
     }
 }
 
-/// The vertices of one side of a seam; of one that goes all the way round, the first is the last too.
-struct Chain {
-    vertices: Vec<u32>,
-    /// How far (m) along the chain each of them is.
-    along: Vec<Real>,
-    /// Two that follow each other and are not the ends of an edge, numbered in their own piece.
-    gap: Option<[usize; 2]>,
+/// Numbers of vertices, if they are given.
+type Numbers = Setting<Option<Vec<u32>>>;
+
+/// The key of two that is given.
+fn given([list, border]: [&Numbers; 2]) -> &Numbers {
+    if list.is_given() { list } else { border }
 }
 
-/// What is sewn together, in the caller's numbers and later in those of the scene.
-#[derive(Default)]
-pub(super) struct Ends {
-    pub(super) pairs: Vec<[u32; 2]>,
-    /// A vertex and the ends of an edge, with the fraction of the way from the first of these to the second at which it
-    /// is sewn onto that.
-    pub(super) onto_edges: Vec<([u32; 3], Real)>,
-}
-
-impl Chain {
-    fn is_closed(&self) -> bool {
-        self.vertices.len() > 1 && self.vertices.first() == self.vertices.last()
+/// Refuses a pair of vertices that is sewn together twice.
+pub(super) fn refuse_repeated(sections: &[Section<'_>], seams: &[Ends]) -> Result<(), BenchError> {
+    let sorted = |&[a, b]: &[u32; 2]| [a.min(b), a.max(b)];
+    let mut all: Vec<[u32; 2]> = Vec::new();
+    for (section, Ends { pairs, .. }) in sections.iter().zip(seams) {
+        if pairs.iter().any(|pair| all.contains(&sorted(pair))) {
+            let message = "two of its vertices are sewn together by another [[seam]] too";
+            return Err(section.refuse_table(message));
+        }
+        all.extend(pairs.iter().map(sorted));
     }
-
-    /// Vertex to vertex if there are as many in both chains. Otherwise each vertex of the chain with more of them goes to
-    /// the point of the other chain at the same fraction of its length; and a vertex of the other that holds no such
-    /// point goes to one of the first in the same way.
-    fn sewn_to(&self, other: &Self) -> Result<Ends, String> {
-        let mut ends = Ends::default();
-        let counts =
-            [self, other].map(|chain| chain.vertices.len() - usize::from(chain.is_closed()));
-        if counts[0] == counts[1] {
-            let pairs = self.vertices.iter().zip(&other.vertices).take(counts[0]);
-            ends.pairs = pairs.map(|(&a, &b)| [a, b]).collect();
-            return Ok(ends);
-        }
-        let (finer, coarser) = if counts[0] > counts[1] {
-            (self, other)
-        } else {
-            (other, self)
-        };
-        if let Some([a, b]) = finer.gap.or(coarser.gap) {
-            return Err(format!(
-                "the first chain has {} vertices and the second {}, so they are sewn by their lengths, but no edge joins vertices {a} and {b}, which follow each other",
-                counts[0], counts[1]
-            ));
-        }
-        if coarser.vertices.len() < 2 {
-            return Err(
-                "a chain of one vertex has no length by which others could be sewn to it".into(),
-            );
-        }
-        let counted = |chain: &Self| chain.vertices.len() - usize::from(chain.is_closed());
-        for place in 0..counted(finer) {
-            finer.sew_vertex(place, coarser, &mut ends);
-        }
-        let held = |vertex: &u32, ends: &Ends| {
-            ends.pairs.iter().flatten().any(|v| v == vertex)
-                || ends
-                    .onto_edges
-                    .iter()
-                    .any(|(corners, _)| corners[1..].contains(vertex))
-        };
-        for place in 0..counted(coarser) {
-            if !held(&coarser.vertices[place], &ends) {
-                coarser.sew_vertex(place, finer, &mut ends);
-            }
-        }
-        Ok(ends)
-    }
-
-    /// Sews a vertex to the point of another chain at the same fraction of its length.
-    fn sew_vertex(&self, place: usize, other: &Self, ends: &mut Ends) {
-        /// Points nearer to a vertex than this part of an edge are that vertex.
-        const AT_VERTEX: Real = 1e-6;
-        let [whole, of_other] = [self, other].map(|chain| chain.along[chain.along.len() - 1]);
-        let point = self.along[place] / whole * of_other;
-        let after = other.along.partition_point(|&along| along <= point);
-        let end = after.clamp(1, other.along.len() - 1);
-        let [start, stop] = [other.along[end - 1], other.along[end]];
-        let fraction = ((point - start) / (stop - start)).clamp(0.0, 1.0);
-        let (vertex, edge) = (
-            self.vertices[place],
-            [other.vertices[end - 1], other.vertices[end]],
-        );
-        if fraction < AT_VERTEX {
-            ends.pairs.push([vertex, edge[0]]);
-        } else if fraction > 1.0 - AT_VERTEX {
-            ends.pairs.push([vertex, edge[1]]);
-        } else {
-            ends.onto_edges.push(([vertex, edge[0], edge[1]], fraction));
-        }
-    }
+    Ok(())
 }
 
 impl Ends {
-    /// The same where vertices are in another order.
-    fn reorder(&mut self, order: &Order) {
-        let onto_edges = self.onto_edges.iter_mut().flat_map(|(corners, _)| corners);
-        let vertices = self.pairs.iter_mut().flatten().chain(onto_edges);
-        vertices.for_each(|v| *v = order.new_of_old()[*v as usize]);
-    }
-
     /// Its closed stitches, whose stiffness (N/m) is that of the cloth unless it is given.
     fn stitches(
         &self,
@@ -368,28 +296,6 @@ impl Ends {
             onto_edges: onto_edges.map(onto).collect::<Result<_, BenchError>>()?,
         })
     }
-}
-
-/// Numbers of vertices, if they are given.
-type Numbers = Setting<Option<Vec<u32>>>;
-
-/// The key of two that is given.
-fn given([list, border]: [&Numbers; 2]) -> &Numbers {
-    if list.is_given() { list } else { border }
-}
-
-/// Refuses a pair of vertices that is sewn together twice.
-pub(super) fn refuse_repeated(sections: &[Section<'_>], seams: &[Ends]) -> Result<(), BenchError> {
-    let sorted = |&[a, b]: &[u32; 2]| [a.min(b), a.max(b)];
-    let mut all: Vec<[u32; 2]> = Vec::new();
-    for (section, Ends { pairs, .. }) in sections.iter().zip(seams) {
-        if pairs.iter().any(|pair| all.contains(&sorted(pair))) {
-            let message = "two of its vertices are sewn together by another [[seam]] too";
-            return Err(section.refuse_table(message));
-        }
-        all.extend(pairs.iter().map(sorted));
-    }
-    Ok(())
 }
 
 /// Sews a scene as a table says, now or later; its `ends` are in the caller's numbers.
