@@ -257,7 +257,7 @@ fn what_cannot_be_torn_is_said_with_the_reason() {
     for (name, more, line, words) in [
         (
             "level",
-            "box = [[0.3, 0.3, -1], [0.45, 0.45, 1]]\n[cloth]\nlevel = 1\n",
+            "box = [[0.37, 0.37, -1], [0.51, 0.51, 1]]\n[cloth]\nlevel = 1\n",
             7,
             "a coarse level carries a whole mesh",
         ),
