@@ -130,7 +130,7 @@ fn rigid(
             only(section, own, &[])?;
             let plane = HalfSpace::new(Vec3::z()).map_err(refused)?;
             let surface = touching::centred([1, 1], [1.5 * size; 2], Diagonals::OneWay)?;
-            for key in weights(own).iter().filter(|key| key.is_given()) {
+            if let Some(key) = weights(own).iter().find(|key| key.is_given()) {
                 return Err(key.refuse("a plane has no end, and so no mass"));
             }
             let obstacle = Obstacle::moving(plane, motion).map_err(refused)?;

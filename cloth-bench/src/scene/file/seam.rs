@@ -79,7 +79,7 @@ impl<'a> Borders<'a> {
         }
         let ends = first.sewn_to(&second).map_err(refuse)?;
         let is_edge = |a: u32, b: u32| self.edges.find(a, b).is_some();
-        for &[a, b] in ends.pairs.iter().filter(|[a, b]| is_edge(*a, *b)) {
+        if let Some(&[a, b]) = ends.pairs.iter().find(|[a, b]| is_edge(*a, *b)) {
             let [a, b] = [a, b].map(|v| self.own(v));
             return Err(refuse(format!(
                 "vertices {a} and {b} are the ends of one edge, which would vanish"
