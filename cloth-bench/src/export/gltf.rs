@@ -2,9 +2,10 @@
 //!
 //! The cloth is one mesh. Every frame after the first is a morph target, a displacement of each vertex (m) from the
 //! first frame, and the animation blends from one to the next: at the time of frame i the weight of its target is 1 and
-//! all others are 0, linear in between. What is torn out of it is a mesh of its own with the same targets, whose node is
-//! scaled to nothing from the first frame without it on. Obstacles that change their shape are the same, and rigid ones are nodes that
-//! move and turn. Names and limits are those of the *glTF 2.0 specification* (Khronos, ISO/IEC 12113).
+//! all others are 0, linear in between. What is torn out of it is a mesh of its own with the same targets, whose node
+//! is scaled to nothing from the first frame without it on. Obstacles that change their shape are the same, and rigid
+//! ones are nodes that move and turn. Names and limits are those of the *glTF 2.0 specification* (Khronos, ISO/IEC
+//! 12113).
 //!
 //! Size: 12 bytes for each vertex and frame, of the cloth and of obstacles that change their shape, and 4 for each pair
 //! of frames, because the animation lists all weights at the time of every frame. Many viewers on the web cannot have

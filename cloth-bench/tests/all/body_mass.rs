@@ -123,7 +123,8 @@ fn a_body_turns_about_its_centre_of_mass() {
     }
 }
 
-/// A ball that is pushed off its centre of mass begins to turn: J ω = r × p, with the impulse p of the sheet that hits it.
+/// A ball that is pushed off its centre of mass begins to turn: J ω = r × p, with the impulse p of the sheet that hits
+/// it.
 #[test]
 fn an_impulse_beside_the_centre_of_mass_turns_a_body() {
     let text = "dt = 0.005\ngravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\nscale = 0.2\n\

@@ -101,10 +101,10 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// Pairs of vertices that are sewn together, and vertices that are sewn onto an edge, each with the ends of that. Two
-    /// parts of the cloth that have vertices of one pair, directly or through others, are neighbours, as if they shared
-    /// a vertex: they are not kept apart. So are a part with a vertex and one with an end of the edge that it is sewn
-    /// onto.
+    /// Pairs of vertices that are sewn together, and vertices that are sewn onto an edge, each with the ends of that.
+    /// Two parts of the cloth that have vertices of one pair, directly or through others, are neighbours, as if they
+    /// shared a vertex: they are not kept apart. So are a part with a vertex and one with an end of the edge that it is
+    /// sewn onto.
     #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
         self.own.sewn = Sewn::new(pairs, onto_edges);

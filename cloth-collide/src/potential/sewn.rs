@@ -13,8 +13,8 @@ pub(crate) struct Sewn {
 }
 
 impl Sewn {
-    /// Pairs of vertices that are sewn together, and vertices that are sewn onto an edge, each with the ends of that. Its
-    /// ends are its neighbours, and not through it those of others.
+    /// Pairs of vertices that are sewn together, and vertices that are sewn onto an edge, each with the ends of that.
+    /// The ends are its neighbours, and through it nobody else's.
     pub(crate) fn new(pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
         let all = pairs.iter().flatten().chain(onto_edges.iter().flatten());
         let count = all.max().map_or(0, |&last| last as usize + 1);

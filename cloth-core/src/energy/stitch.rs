@@ -15,8 +15,8 @@ use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 ///
 /// The weights have the sum zero, and the forces act along `Σ qᵢ xᵢ`: a stitch changes neither momentum nor angular
 /// momentum, at any L. Once it is closed the energy is quadratic, with a gradient and a Hessian (`k qᵢqⱼ I`) where the
-/// two points coincide too, and its rows are the three coordinates of `Σ qᵢ xᵢ`. While it closes it has one row, that of
-/// a [`Spring`] of length L, and two that are zero everywhere.
+/// two points coincide too, and its rows are the three coordinates of `Σ qᵢ xᵢ`. While it closes it has one row, that
+/// of a [`Spring`] of length L, and two that are zero everywhere.
 ///
 /// The matrix of projective dynamics has k in it and not L, so it stays as it is while the stitch closes. Methods tell
 /// the time by [`Element::set_time`].
@@ -44,8 +44,8 @@ impl Stitch {
 }
 
 impl Stitch<3> {
-    /// A stitch of `stiffness` k (N/m) between the first vertex and the point at `fraction` f of the way from the second
-    /// to the third, closed from the start on.
+    /// A stitch of `stiffness` k (N/m) between the first vertex and the point at `fraction` f of the way from the
+    /// second to the third, closed from the start on.
     #[must_use]
     pub fn onto_edge(vertices: [u32; 3], fraction: Real, stiffness: Real) -> Self {
         Self::closed(vertices, [1.0, fraction - 1.0, -fraction], stiffness)

@@ -51,8 +51,8 @@ fn derivatives_and_invariances_hold_open_and_closed() {
     }
 }
 
-/// Its force at the vertex is that of a stitch to the point of the edge, and what the edge gets has the same sum and the
-/// same moment.
+/// Its force at the vertex is that of a stitch to the point of the edge, and what the edge gets has the same sum and
+/// the same moment.
 #[test]
 fn a_stitch_onto_an_edge_pulls_at_a_point_of_it() {
     for time in [1.0, 2.2, 3.0] {

@@ -91,7 +91,8 @@ crate::settings! {
     }
     /// Of a `[[mass]]`.
     pub(super) struct Mass {
-        mass: Option<Real> = "needed" "kg" in Above(0.0), "of all the chosen vertices together, spread over them evenly";
+        mass: Option<Real> = "needed" "kg" in Above(0.0),
+            "of all the chosen vertices together, spread over them evenly";
     }
     /// Of a `[[force]]`.
     pub(super) struct Force {
@@ -119,9 +120,9 @@ crate::settings! {
             "the two ends of the first chain, which goes along the border the shorter way; a number in between says \
              which way, such as [0, 5, 40]; the same end twice is all of the border, such as [0, 5, 0]";
         second: Option<Vec<u32>> = "none",
-            "the same of the second chain: as many vertices, each for the one of the first in the same place; of another \
-             number the vertices of the chain that has more are sewn to the points of the other at the same fraction of \
-             its length";
+            "the same of the second chain: as many vertices, each for the one of the first in the same place; of \
+             another number the vertices of the chain that has more are sewn to the points of the other at the same \
+             fraction of its length";
         second_border: Option<Vec<u32>> = "none",
             "the same of the second chain; its first end is sewn to the first end of the other";
         stiffness: Option<Real> = "none" "N/m" in Above(0.0),
@@ -163,11 +164,11 @@ crate::settings! {
              the contact of the body";
         mass: Option<Real> = "none" "kg" in Above(0.0), "the same body by its mass: give this or a density";
         inertia: Option<Vec3> = "none" "kg·m²" in Above(0.0),
-            "of such a body about its centre of mass, along the axes of its shape; none: that of a shape which is filled \
-             evenly, about its own centre of mass";
+            "of such a body about its centre of mass, along the axes of its shape; none: that of a shape which is \
+             filled evenly, about its own centre of mass";
         centre: Option<Vec3> = "none" "m",
-            "of mass of such a body, from its position, in the axes of its shape; none: that of a shape which is filled \
-             evenly";
+            "of mass of such a body, from its position, in the axes of its shape; none: that of a shape which is \
+             filled evenly";
     }
 }
 
@@ -229,8 +230,8 @@ pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
 /// For every method.
 pub(super) const METHOD: SectionInfo = SectionInfo {
     head: "[method.NAME]",
-    about: "such as [method.pd]: settings of a method, with the keys that --set takes for it (see list) and overrules; run \
-            reads that of its method, and all of them are checked",
+    about: "such as [method.pd]: settings of a method, with the keys that --set takes for it (see list) and overrules; \
+            run reads that of its method, and all of them are checked",
     keys: &[],
 };
 

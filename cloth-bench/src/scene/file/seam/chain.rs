@@ -26,13 +26,17 @@ impl Chain {
         self.vertices.len() > 1 && self.vertices.first() == self.vertices.last()
     }
 
-    /// Vertex to vertex if there are as many in both chains. Otherwise each vertex of the chain with more of them goes to
-    /// the point of the other chain at the same fraction of its length; and a vertex of the other that holds no such
+    /// Number of different vertices.
+    fn count(&self) -> usize {
+        self.vertices.len() - usize::from(self.is_closed())
+    }
+
+    /// Vertex to vertex if there are as many in both chains. Otherwise each vertex of the chain with more of them goes
+    /// to the point of the other chain at the same fraction of its length; and a vertex of the other that holds no such
     /// point goes to one of the first in the same way.
     pub(super) fn sewn_to(&self, other: &Self) -> Result<Ends, String> {
         let mut ends = Ends::default();
-        let counts =
-            [self, other].map(|chain| chain.vertices.len() - usize::from(chain.is_closed()));
+        let counts = [self, other].map(Self::count);
         if counts[0] == counts[1] {
             let pairs = self.vertices.iter().zip(&other.vertices).take(counts[0]);
             ends.pairs = pairs.map(|(&a, &b)| [a, b]).collect();
@@ -45,7 +49,8 @@ impl Chain {
         };
         if let Some([a, b]) = finer.gap.or(coarser.gap) {
             return Err(format!(
-                "the first chain has {} vertices and the second {}, so they are sewn by their lengths, but no edge joins vertices {a} and {b}, which follow each other",
+                "the chains have {} and {} vertices and are sewn by their lengths, but no edge joins vertices {a} and \
+                 {b}, which follow each other",
                 counts[0], counts[1]
             ));
         }
@@ -54,8 +59,7 @@ impl Chain {
                 "a chain of one vertex has no length by which others could be sewn to it".into(),
             );
         }
-        let counted = |chain: &Self| chain.vertices.len() - usize::from(chain.is_closed());
-        for place in 0..counted(finer) {
+        for place in 0..finer.count() {
             finer.sew_vertex(place, coarser, &mut ends);
         }
         let held = |vertex: &u32, ends: &Ends| {
@@ -65,7 +69,7 @@ impl Chain {
                     .iter()
                     .any(|(corners, _)| corners[1..].contains(vertex))
         };
-        for place in 0..counted(coarser) {
+        for place in 0..coarser.count() {
             if !held(&coarser.vertices[place], &ends) {
                 coarser.sew_vertex(place, finer, &mut ends);
             }
