@@ -21,7 +21,7 @@ mod vtk;
 use crate::error::BenchError;
 use crate::files;
 use crate::run::Moment;
-use crate::scene::{BodySurface, ChangeKind, Scene};
+use crate::scene::{BodySurface, Scene};
 use clap::ValueEnum;
 use cloth_collide::potential::ContactForces;
 use cloth_core::math::{Real, Vec3};
@@ -144,13 +144,6 @@ impl Export {
         if every == 0 {
             return Err(BenchError::Usage(
                 "--export-every is 0, but it has to be at least 1".into(),
-            ));
-        }
-        let tears = scene.changes.iter();
-        let mut tears = tears.filter(|change| matches!(change.kind, ChangeKind::Tear { .. }));
-        if format == Format::Gltf && tears.next().is_some() {
-            return Err(BenchError::Usage(
-                "a glTF animation has the same triangles in all frames, and this scene tears some out: use obj, ply or vtk".into(),
             ));
         }
         let writer: Box<dyn Writer> = match format {

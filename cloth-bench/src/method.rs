@@ -206,7 +206,7 @@ impl Method {
         let is_pushed = |touch: &ContactSetup| touch.free_bodies().next().is_some();
         if matches!(self.kind, Kind::Pbd) && scene.touch.as_ref().is_some_and(is_pushed) {
             return Err(BenchError::usage(
-                "`pbd` cannot push an obstacle that has a density: how hard it pushes depends on its iterations, not on \
+                "`pbd` cannot push an obstacle that has a mass: how hard it pushes depends on its iterations, not on \
                  the material; the other methods can",
             ));
         }

@@ -119,7 +119,7 @@ pub struct Summary {
     /// Smallest distance (m) at the end of a vertex from a body, negative inside a rigid one and without a sign from an
     /// animated one; none where there are no bodies.
     pub min_clearance: Option<Real>,
-    /// Largest distance (m) at the end between two vertices that are sewn together; none where there is no seam.
+    /// Largest distance (m) at the end of a vertex from what it is sewn to; none where there is no seam.
     pub max_seam_gap: Option<Real>,
     /// Largest change of a sealed volume at the end (dimensionless, of its rest volume); none where there is none.
     pub max_volume_change: Option<Real>,
@@ -244,14 +244,16 @@ impl<'a> Course<'a> {
                 self.rebuilds += 1;
             }
             if let (ChangeKind::Tear { .. }, Some(timed)) = (&change.kind, &mut self.contacts)
-                && let Some(source) = scene.contacts()?
+                && let Some(source) = scene.contacts_from(state.time)?
             {
                 timed.source = source;
                 timed.source.contacts.record_forces(self.forces);
                 self.untangling.renew(&scene, timed);
             }
             if let (ChangeKind::Sew { .. }, Some(timed)) = (&change.kind, &mut self.contacts) {
-                timed.source.contacts.sew(&scene.sewn());
+                let seam = scene.model.seam();
+                let (pairs, onto_edges) = (seam.sewn_pairs(), seam.sewn_onto_edges());
+                timed.source.contacts.sew(&pairs, &onto_edges);
                 self.untangling.renew(&scene, timed);
             }
             self.changes += 1;
@@ -305,7 +307,7 @@ impl<'a> Course<'a> {
             let bodies = contacts.map_or(0.0, ContactSource::work);
             let stored = contacts.map_or(0.0, ContactSource::potential_energy);
             balance.add_work(state, load, &report, bodies);
-            if is_tangled || self.scene.is_closing(state.time, dt) {
+            if is_tangled || self.scene.is_driven(state.time, dt) {
                 balance.accept(state, stored);
             }
             balance.end_step(state, dt, stored);

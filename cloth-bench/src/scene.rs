@@ -10,18 +10,17 @@ pub mod pins;
 mod touching;
 
 pub use build::build;
-pub use change::{Change, ChangeKind, Motion};
+pub use change::{Change, ChangeKind};
 pub use contact::{BodySurface, ContactSetup};
 
 use crate::error::BenchError;
-use crate::settings::{Parameter, Range::*, Table};
+use crate::settings::{Parameter, Range::*, Settings, Table};
 use cloth::{EdgeSprings, Material, Stiffness};
 use cloth_collide::SeparationProbe;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
 use cloth_core::cloth::{ClothModel, Elements};
-use cloth_core::element::Element;
 use cloth_core::enclosure::{ClosedVolume, Enclosed, Pressure};
 use cloth_core::energy::{Spring, Stitch};
 use cloth_core::math::{Real, Vec3};
@@ -29,7 +28,7 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::Diagonals;
 use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
-use cloth_core::pin::Pins;
+use cloth_core::pin::{Motion, Pins};
 use cloth_core::step::BuildError;
 use cloth_core::topology::EdgeTable;
 use contact::{Contact, Surface};
@@ -67,6 +66,8 @@ pub struct Scene {
     pub air: Option<Air>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
     pub order: Option<cloth_core::method::ordering::Order>,
+    /// What its file says of methods, by the names of these.
+    pub methods: Vec<(&'static str, Settings)>,
 }
 
 impl Scene {
@@ -93,7 +94,15 @@ impl Scene {
             volumes: Vec::new(),
             air: None,
             order: None,
+            methods: Vec::new(),
         }
+    }
+
+    /// The settings of a method that stand in the file of the scene.
+    #[must_use]
+    pub fn settings_of(&self, method: &str) -> Settings {
+        let own = self.methods.iter().find(|(name, _)| *name == method);
+        own.map_or_else(Settings::default, |(_, settings)| settings.clone())
     }
 
     /// What resolves contact, if the scene has anything to touch, and keeps volumes, if it has any.
@@ -101,11 +110,19 @@ impl Scene {
     /// # Errors
     /// [`BenchError::Usage`] for a mesh that does not serve.
     pub fn contacts(&self) -> Result<Option<Enclosed<PotentialContacts>>, BenchError> {
+        self.contacts_from(0.0)
+    }
+
+    /// The same for steps that begin at a time (s).
+    pub(crate) fn contacts_from(
+        &self,
+        time: Real,
+    ) -> Result<Option<Enclosed<PotentialContacts>>, BenchError> {
         let Some(mesh) = &self.mesh else {
             return Ok(None);
         };
         let touching = match &self.touch {
-            Some(touch) => touch.source(mesh, &self.sewn())?,
+            Some(touch) => touch.source(mesh, &self.model.seam(), time)?,
             None => None,
         };
         let contacts = match touching {
@@ -128,21 +145,22 @@ impl Scene {
             || SeparationProbe::new(mesh),
             |touch| touch.separation_probe(mesh),
         );
-        Some(probe.sew(&self.sewn()))
+        let seam = self.model.seam();
+        Some(probe.sew(&seam.sewn_pairs(), &seam.sewn_onto_edges()))
     }
 
     /// Pairs of vertices that are sewn together, or are being drawn together.
     #[must_use]
     pub fn sewn(&self) -> Vec<[u32; 2]> {
-        self.model.stitches().map(Element::vertices).collect()
+        self.model.seam().sewn_pairs()
     }
 
-    /// Largest distance (m) between two vertices that are sewn together, if any are.
+    /// Largest distance (m) of a vertex from the one that it is sewn to, or from its point of an edge, if any is sewn.
     #[must_use]
     pub fn max_seam_gap(&self, state: &State) -> Option<Real> {
-        let x = |vertex: u32| state.positions[vertex as usize];
-        let pairs = self.sewn().into_iter();
-        pairs.map(|[a, b]| (x(a) - x(b)).norm()).reduce(Real::max)
+        let seam = self.model.seam();
+        let gaps = seam.gaps(&state.positions).map(|gap| gap.norm());
+        gaps.reduce(Real::max)
     }
 
     /// Largest change of a sealed volume (dimensionless, of its rest volume), if there is any.
@@ -152,10 +170,21 @@ impl Scene {
         self.volumes.iter().map(change).reduce(Real::max)
     }
 
-    /// Whether a seam closes in the step of `dt` (s) that has ended at `time` (s).
-    pub(crate) fn is_closing(&self, time: Real, dt: Real) -> bool {
-        let changes = |s: &Stitch| s.rest_length_at(time) != s.rest_length_at(time - dt);
-        self.model.stitches().any(changes)
+    /// Whether a seam closes, or the point of a soft pin moves, in the step of `dt` (s) that has ended at `time` (s).
+    pub(crate) fn is_driven(&self, time: Real, dt: Real) -> bool {
+        fn changes<const N: usize>(stitch: &Stitch<N>, [a, b]: [Real; 2]) -> bool {
+            stitch.rest_length_at(a) != stitch.rest_length_at(b)
+        }
+        let times = [time - dt, time];
+        self.model.stitches().any(|stitch| changes(stitch, times))
+            || self
+                .model
+                .edge_stitches()
+                .any(|stitch| changes(stitch, times))
+            || self
+                .model
+                .soft_pins()
+                .any(|pin| pin.target_at(times[0]) != pin.target_at(time))
     }
 
     /// What pulls the cloth of `contacts` apart during a run, if the scene wants that.
@@ -214,7 +243,7 @@ impl Scene {
         let is_soft = |spring: &Spring| spring.stiffness.is_finite();
         soft.springs.retain(is_soft);
         for family in &mut soft.others {
-            if let Elements::Springs(springs) = family {
+            if let Elements::Springs(springs) | Elements::Links(springs) = family {
                 springs.retain(is_soft);
             }
         }
@@ -236,6 +265,11 @@ impl Scene {
             && self.gases.is_empty()
             && self.changes.is_empty()
             && self.model.stitches().next().is_none()
+            && self.model.edge_stitches().next().is_none()
+            && self
+                .model
+                .soft_pins()
+                .all(|pin| *pin.motion() == Motion::NONE)
             && self.volumes.is_empty()
             && !self.can_touch()
     }

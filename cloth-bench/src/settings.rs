@@ -32,7 +32,7 @@ use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
 /// What there is to know of a setting.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     /// Its key.
     pub name: &'static str,
@@ -44,6 +44,8 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Which numbers it takes.
     pub range: Range,
+    /// Whether its value can be read.
+    pub check: fn(&Settings, &Self) -> Result<(), BenchError>,
 }
 
 impl Parameter {
@@ -93,6 +95,7 @@ macro_rules! settings {
                 about: $about,
                 unit: concat!($($unit)?),
                 range: [$($range,)? $crate::settings::Range::Any][0],
+                check: |settings, parameter| settings.value::<$type>(parameter).map(drop),
             }),+];
 
             fn read(settings: &$crate::settings::Settings) -> Result<Self, $crate::error::BenchError> {
@@ -295,6 +298,15 @@ impl Settings {
         }
     }
 
+    /// Refuses values of these tables that cannot be read or are out of range.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] with the key, and with file and line if it is from a file.
+    pub fn check_values(&self, tables: &[&[Parameter]]) -> Result<(), BenchError> {
+        let mut all = tables.iter().copied().flatten();
+        all.try_for_each(|parameter| (parameter.check)(self, parameter))
+    }
+
     /// Those of the settings whose keys the tables know.
     #[must_use]
     pub fn among(&self, tables: &[&[Parameter]]) -> Self {
@@ -318,15 +330,25 @@ impl Settings {
     /// The value of the next of some parameters; [`settings!`](crate::settings!) reads the fields of a table by it.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] for a value that cannot be read or is out of range.
+    /// Those of [`Settings::value`].
     ///
     /// # Panics
-    /// If there is none left, or for a default that cannot be read.
+    /// If there is none left, and as [`Settings::value`].
     pub fn next<T: Value>(
         &self,
         parameters: &mut std::slice::Iter<'static, Parameter>,
     ) -> Result<Setting<T>, BenchError> {
-        let parameter = parameters.next().expect("as many parameters as fields");
+        self.value(parameters.next().expect("as many parameters as fields"))
+    }
+
+    /// The value of a parameter.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] for a value that cannot be read or is out of range.
+    ///
+    /// # Panics
+    /// For a default that cannot be read.
+    pub fn value<T: Value>(&self, parameter: &Parameter) -> Result<Setting<T>, BenchError> {
         let (value, place, is_given) = match self.last(parameter.name) {
             Some(entry) => (entry.read(parameter)?, &entry.place, !entry.is_default),
             None => {

@@ -26,6 +26,7 @@
 //! | Σ ψ(d) over triangles − edges + vertices, in place of ψ(φ) | [`SignedDistance::each_part`] |
 //! | φ = Σ wᵢ φᵢ over the 27 nodes around, a quadratic B-spline | [`SampledDistance`] |
 //! | triangles alone, no φ | [`SurfaceOnly`] |
+//! | φ(x) = φ₀(x − a) | [`Shifted`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
 //! | v = P/m + g Δt, ω = J⁻¹ L, P ← P + m g Δt + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
@@ -59,6 +60,7 @@ mod penalty;
 mod placed;
 mod rigid_body;
 mod sampled;
+mod shifted;
 mod sphere;
 mod surface_only;
 mod sweep;
@@ -76,6 +78,7 @@ pub use penalty::PenaltyLaw;
 pub use placed::Obstacle;
 pub use rigid_body::RigidBody;
 pub use sampled::SampledDistance;
+pub use shifted::Shifted;
 pub use sphere::Sphere;
 pub use surface_only::SurfaceOnly;
 pub use sweep::{FirstContact, VertexPath, first_contact};

@@ -97,10 +97,10 @@ impl SeparationProbe {
     }
 
     /// Without pairs of triangles that meet at a seam, as
-    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the pairs of its vertices.
+    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the vertices.
     #[must_use]
-    pub fn sew(mut self, pairs: &[[u32; 2]]) -> Self {
-        self.sewn = Sewn::new(pairs);
+    pub fn sew(mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
+        self.sewn = Sewn::new(pairs, onto_edges);
         self
     }
 

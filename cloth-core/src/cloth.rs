@@ -49,7 +49,7 @@ pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
 pub use relief::{SpringEdges, SpringLaw};
 
-use crate::energy::{CurvatureHinge, Spring, Stitch};
+use crate::energy::{CurvatureHinge, Seam, SoftPin, Spring, Stitch};
 use crate::error::{OutOfRange, not_negative};
 use crate::math::Real;
 use crate::mesh::{MeshError, TriMesh};
@@ -189,35 +189,76 @@ impl ClothModel {
             .collect()
     }
 
-    /// Sews pairs of vertices together, besides those that are sewn already.
-    pub fn sew(&mut self, stitches: Vec<Stitch>) {
-        if !stitches.is_empty() {
-            Elements::merge(&mut self.others, Elements::Stitches(stitches));
+    /// Adds elements that are not cut from the mesh: [`Elements::Links`], [`Elements::SoftPins`] and stitches.
+    pub fn fasten(&mut self, fastenings: impl IntoIterator<Item = Elements>) {
+        for fastening in fastenings {
+            if !fastening.is_empty() {
+                Elements::merge(&mut self.others, fastening);
+            }
         }
     }
 
-    /// Joins pairs of vertices by springs that are no part of the cloth: links, rigid ones with an infinite stiffness.
-    pub fn link(&mut self, springs: Vec<Spring>) {
-        if !springs.is_empty() {
-            Elements::merge(&mut self.others, Elements::Springs(springs));
-        }
+    /// The elements that are not cut from the mesh.
+    pub fn fastenings(&self) -> impl Iterator<Item = &Elements> + '_ {
+        self.others.iter().filter(|family| {
+            matches!(
+                family,
+                Elements::Links(_)
+                    | Elements::SoftPins(_)
+                    | Elements::Stitches(_)
+                    | Elements::EdgeStitches(_)
+            )
+        })
+    }
+
+    /// Sews the cloth, besides what is sewn already.
+    pub fn sew(&mut self, seam: Seam) {
+        self.fasten([
+            Elements::Stitches(seam.pairs),
+            Elements::EdgeStitches(seam.onto_edges),
+        ]);
     }
 
     /// All springs, those of links and of bending among them.
     pub fn all_springs(&self) -> impl Iterator<Item = &Spring> + '_ {
         let others = self.others.iter().flat_map(|family| match family {
-            Elements::Springs(springs) => &springs[..],
+            Elements::Springs(springs) | Elements::Links(springs) => &springs[..],
             _ => &[],
         });
         self.springs.iter().chain(others)
     }
 
-    /// The stitches of all seams.
+    /// The stitches of all seams from vertex to vertex.
     pub fn stitches(&self) -> impl Iterator<Item = &Stitch> + '_ {
         self.others.iter().flat_map(|family| match family {
             Elements::Stitches(stitches) => &stitches[..],
             _ => &[],
         })
+    }
+
+    /// The stitches of all seams from a vertex to a point of an edge.
+    pub fn edge_stitches(&self) -> impl Iterator<Item = &Stitch<3>> + '_ {
+        self.others.iter().flat_map(|family| match family {
+            Elements::EdgeStitches(stitches) => &stitches[..],
+            _ => &[],
+        })
+    }
+
+    /// The soft pins.
+    pub fn soft_pins(&self) -> impl Iterator<Item = &SoftPin> + '_ {
+        self.others.iter().flat_map(|family| match family {
+            Elements::SoftPins(pins) => &pins[..],
+            _ => &[],
+        })
+    }
+
+    /// All seams as one.
+    #[must_use]
+    pub fn seam(&self) -> Seam {
+        Seam {
+            pairs: self.stitches().copied().collect(),
+            onto_edges: self.edge_stitches().copied().collect(),
+        }
     }
 
     /// The elastic energy, of stitches at the time that they have been set to.

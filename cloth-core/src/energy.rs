@@ -15,7 +15,8 @@
 //! | [`StrainLimitSpring`], slack in a range | 2 | yes | 1 row | 1 vector | N/m |
 //! | [`StrainLimitTriangle`], slack in a range | 3 | yes | 2 rows | 2 vectors | J, from a modulus in N/m |
 //! | [`Attachment`] | 1 | yes | 3 rows | 1 vector | N/m |
-//! | [`Stitch`], drawn together in time | 2 | yes | 3 rows | 1 vector | N/m |
+//! | [`SoftPin`], its point moves in time | 1 | yes | 3 rows | 1 vector | N/m |
+//! | [`Stitch`], drawn together in time | 2 or 3 | yes | 3 rows | 1 vector | N/m |
 //!
 //! A dash is a view that the energy does not have. The projective view needs a squared distance to a set under a
 //! *constant* linear map, whose vectors the column counts: an angle is no linear function of positions, and the strains
@@ -59,6 +60,7 @@ mod curvature_hinge;
 mod curved_hinge;
 mod dihedral_hinge;
 mod midpoint_hinge;
+mod soft_pin;
 mod spring;
 mod stitch;
 mod strain_limit_spring;
@@ -75,8 +77,9 @@ pub use curvature_hinge::CurvatureHinge;
 pub use curved_hinge::CurvedHinge;
 pub use dihedral_hinge::{DihedralHinge, HingeLaw};
 pub use midpoint_hinge::MidpointHinge;
+pub use soft_pin::SoftPin;
 pub use spring::Spring;
-pub use stitch::Stitch;
+pub use stitch::{Seam, Stitch};
 pub use strain_limit_spring::StrainLimitSpring;
 pub use strain_limit_triangle::StrainLimitTriangle;
 pub use stvk_triangle::StvkTriangle;

@@ -64,8 +64,8 @@
 //! | `E = ½ k (l − clamp(l))²`, slack in a range of lengths | [`energy::StrainLimitSpring`] |
 //! | `E = ½ A k Σ (σ − clamp(σ))²`, slack in a range of stretches | [`energy::StrainLimitTriangle`] |
 //! | `E = ½ k (A − A₀)²`, `E = ½ k (V − V₀)²` | [`energy::AreaTriangle`], [`energy::VolumeTetrahedron`] |
-//! | `E = ½ k ‖x − p‖²` | [`energy::Attachment`] |
-//! | `E = ½ k (‖x₀ − x₁‖ − L(t))²`, L falling to 0 | [`energy::Stitch`] |
+//! | `E = ½ k ‖x − p‖²`, p fixed or moving | [`energy::Attachment`], [`energy::SoftPin`] |
+//! | `E = ½ k (‖Σ qᵢ xᵢ‖ − L(t))²`, L falling to 0 | [`energy::Stitch`] |
 //! | `x̃`, `G`, `∇G` | [`measure::predict`], [`measure::IncrementalPotential`] |
 //! | `M` | [`particles::Particles`] |
 //! | drag and lift of the air | [`air::Air`] |

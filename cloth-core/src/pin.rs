@@ -2,11 +2,47 @@
 
 use crate::math::{Real, Vec3};
 use crate::particles::{ParticleError, Particles, State};
+use nalgebra::{Rotation3, Unit};
 use std::fmt;
 use std::sync::Arc;
 
 /// Position (m) of a pin as a function of time (s).
 type Path = Arc<dyn Fn(Real) -> Vec3 + Send + Sync>;
+
+/// A turn about an axis and a shift at the same time, at a constant rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// The whole shift (m).
+    pub shift: Vec3,
+    /// The whole rotation (rad): its direction is the axis, its length the angle.
+    pub turn: Vec3,
+    /// A point on the axis (m).
+    pub centre: Vec3,
+    /// How long it takes (s), above 0; rest after it.
+    pub duration: Real,
+}
+
+impl Motion {
+    /// Rest.
+    pub const NONE: Self = Self {
+        shift: Vec3::new(0.0, 0.0, 0.0),
+        turn: Vec3::new(0.0, 0.0, 0.0),
+        centre: Vec3::new(0.0, 0.0, 0.0),
+        duration: 1.0,
+    };
+
+    /// Where (m) a point is at a time (s) that is at `start` (m) until the time `since` (s).
+    #[must_use]
+    pub fn position(&self, start: Vec3, since: Real, time: Real) -> Vec3 {
+        let from_centre = start - self.centre;
+        let part = ((time - since) / self.duration).clamp(0.0, 1.0);
+        let turned = match Unit::try_new_and_get(self.turn, 0.0) {
+            Some((axis, angle)) => Rotation3::from_axis_angle(&axis, part * angle) * from_centre,
+            None => from_centre,
+        };
+        self.centre + turned + self.shift * part
+    }
+}
 
 /// Prescribed vertices and the paths they follow.
 ///

@@ -77,8 +77,8 @@
 //! | limit of a triangle ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
 //! | hinge, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | D/(A₀ + A₁) |
 //! | hinge, curved at rest ([`CurvedHinge`](cloth_core::energy::CurvedHinge)) | Σ qᵢ xᵢ | r z/‖z‖ | D/(A₀ + A₁) |
-//! | stitch ([`Stitch`](cloth_core::energy::Stitch)) | x₀ − x₁ | L(t) z/‖z‖ | k |
-//! | attachment ([`Attachment`](cloth_core::energy::Attachment)) | x | its target | k |
+//! | stitch ([`Stitch`](cloth_core::energy::Stitch)) | Σ qᵢ xᵢ | L(t) z/‖z‖ | k |
+//! | attachment ([`Attachment`](cloth_core::energy::Attachment)), soft pin ([`SoftPin`](cloth_core::energy::SoftPin)) | x | its target | k |
 //!
 //! p is unique and continuous in z where z ≠ 0 (spring, curved hinge) and where F has rank 2 (triangle). Elsewhere it
 //! jumps, unless the least length is 0, and any of the nearest p will do: E itself is continuous, and the bound below

@@ -235,7 +235,9 @@ impl SingleBuilder {
     pub fn elements(mut self, families: Vec<Elements>) -> Self {
         for family in families {
             match family {
-                Elements::Springs(springs) => self = self.springs(&springs),
+                Elements::Springs(springs) | Elements::Links(springs) => {
+                    self = self.springs(&springs);
+                }
                 Elements::Quadratic(hinges) => self = self.vector_rows(&hinges),
                 other => {
                     let error = other.no_view(

@@ -129,12 +129,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let what = format!("scene `{}` with method `{}`", arguments.scene, method.name);
     settings.check(&what, &[&groups[..], &method.parameters()].concat())?;
     let of_scene = settings.among(&groups);
-    let settings = method.by_default(settings.among(&method.parameters()));
+    let overruling = settings.among(&method.parameters());
     let scene = if scene::file::is_file(&arguments.scene) {
         scene::file::build(Path::new(&arguments.scene), &of_scene)?
     } else {
         scene::build(&arguments.scene, arguments.mesh.as_deref(), &of_scene)?
     };
+    let settings = method.by_default(scene.settings_of(method.name).then(&overruling));
     let dt = arguments.dt.unwrap_or(scene.dt);
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(BenchError::Usage(format!(

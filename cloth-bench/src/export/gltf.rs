@@ -2,8 +2,10 @@
 //!
 //! The cloth is one mesh. Every frame after the first is a morph target, a displacement of each vertex (m) from the
 //! first frame, and the animation blends from one to the next: at the time of frame i the weight of its target is 1 and
-//! all others are 0, linear in between. Obstacles that change their shape are the same, and rigid ones are nodes that
-//! move and turn. Names and limits are those of the *glTF 2.0 specification* (Khronos, ISO/IEC 12113).
+//! all others are 0, linear in between. What is torn out of it is a mesh of its own with the same targets, whose node
+//! is scaled to nothing from the first frame without it on. Obstacles that change their shape are the same, and rigid
+//! ones are nodes that move and turn. Names and limits are those of the *glTF 2.0 specification* (Khronos, ISO/IEC
+//! 12113).
 //!
 //! Size: 12 bytes for each vertex and frame, of the cloth and of obstacles that change their shape, and 4 for each pair
 //! of frames, because the animation lists all weights at the time of every frame. Many viewers on the web cannot have
@@ -159,6 +161,7 @@ impl Writer for Gltf {
             }
         }
         self.times.push(frame.time as f32);
+        self.cloth.tear(frame.triangles);
         self.cloth.add(&cloth);
         let mut moved = moved.iter();
         for (body, surface) in self.bodies.iter_mut().zip(&frame.obstacles) {
@@ -174,17 +177,20 @@ impl Writer for Gltf {
         let mut file = Pieces::default();
         let targets = self.times.len().saturating_sub(1);
         let mut meshes = vec![self.cloth.write(0, &mut file)];
+        let torn = self.cloth.torn(&meshes[0], &mut file);
         let mut nodes = vec![json!({
             "name": self.name,
             "rotation": quaternion(&self.upright),
-            "children": (1..=self.bodies.len() + 1).collect::<Vec<_>>(),
+            "children": (1..=self.bodies.len() + torn.len() + 1).collect::<Vec<_>>(),
         })];
         nodes.push(json!({"name": "cloth", "mesh": 0}));
         let (mut samplers, mut channels) = (Vec::new(), Vec::new());
         let mut animate = |input: usize, output: usize, node: usize, path: &str| {
             channels
                 .push(json!({"sampler": samplers.len(), "target": {"node": node, "path": path}}));
-            samplers.push(json!({"input": input, "output": output, "interpolation": "LINEAR"}));
+            // What is torn out vanishes at once.
+            let way = if path == "scale" { "STEP" } else { "LINEAR" };
+            samplers.push(json!({"input": input, "output": output, "interpolation": way}));
         };
         let played = (targets > 0).then(|| {
             let weight = |i: usize| (1..=targets).map(move |target| f32::from(target == i));
@@ -194,6 +200,15 @@ impl Writer for Gltf {
         });
         if let Some((times, weights)) = played {
             animate(times, weights, 1, "weights");
+            for (frame, mesh) in torn {
+                let node = nodes.len();
+                nodes.push(json!({"name": mesh["name"], "mesh": meshes.len()}));
+                meshes.push(mesh);
+                animate(times, weights, node, "weights");
+                let moments = file.times(&[self.times[0], self.times[frame]]);
+                let scales = file.numbers(&[1.0, 1.0, 1.0, 0.0, 0.0, 0.0], "VEC3", 2);
+                animate(moments, scales, node, "scale");
+            }
         }
         for body in &mut self.bodies {
             let node = nodes.len();
@@ -284,13 +299,18 @@ impl Pieces {
         self.accessors.len() - 1
     }
 
-    /// A primitive of triangles without a material.
-    fn surface(&mut self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Value {
+    /// An accessor of the corners of triangles.
+    fn indices(&mut self, triangles: &[[u32; 3]]) -> usize {
         let corners = triangles.as_flattened();
         let bytes: Vec<u8> = corners.iter().flat_map(|v| v.to_le_bytes()).collect();
         let view = self.view(&bytes, Some(INDICES), None);
-        let indices = self.accessor(json!({"bufferView": view, "componentType": UNSIGNED_INT,
-            "count": corners.len(), "type": "SCALAR"}));
+        self.accessor(json!({"bufferView": view, "componentType": UNSIGNED_INT,
+            "count": corners.len(), "type": "SCALAR"}))
+    }
+
+    /// A primitive of triangles without a material.
+    fn surface(&mut self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Value {
+        let indices = self.indices(triangles);
         let places: Vec<[f32; 3]> = positions.iter().map(|&x| single(x)).collect();
         let numbers = places.as_flattened().iter();
         let bytes: Vec<u8> = numbers.flat_map(|c| c.to_le_bytes()).collect();

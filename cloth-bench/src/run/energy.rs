@@ -20,7 +20,7 @@
 //! | the air, gas inside, and forces of the scene | F·Δx, with the load F of the step; with BDF2 F·v Δt, v at its end, where F acts |
 //! | vertices that are held from some time on, or released | the kinetic energy and that of gravity which they take along or bring |
 //! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
-//! | seams that close | the same, after steps in which one does |
+//! | seams that close, points of soft pins that move | the same, after steps in which one does |
 //! | obstacles, and prescribed vertices by contact | [`ContactSource::work`](cloth_core::contact::ContactSource::work) |
 //!
 //! Nothing holds more than it was given. What a method holds beyond it is the *excess*, energy from nowhere, whatever
@@ -196,7 +196,8 @@ impl EnergyBalance {
     }
 
     /// Takes what the cloth holds in `state` beyond what it was given, contact with its `stored` energy (J), for given:
-    /// what untangles moves the cloth by itself, and so does a seam that closes.
+    /// what untangles moves the cloth by itself, and so does a seam that closes or a soft pin that
+    /// moves.
     pub(super) fn accept(&mut self, state: &State, stored: Real) {
         let excess = self.held(state) + stored - self.given_until(state);
         self.entries.work += excess.max(0.0);

@@ -66,7 +66,10 @@ impl<'a> Solver<'a> {
             ChangeKind::Hold { vertices, .. } => self.stepper().set_prescribed(vertices, true),
             ChangeKind::Release { vertices } => self.stepper().set_prescribed(vertices, false),
             ChangeKind::Push { .. } => true,
-            ChangeKind::Sew { .. } | ChangeKind::Tear { .. } => false,
+            ChangeKind::Tie { .. }
+            | ChangeKind::Untie { .. }
+            | ChangeKind::Sew { .. }
+            | ChangeKind::Tear { .. } => false,
         }
     }
 

@@ -87,7 +87,9 @@ impl SeparationWatch {
 fn counts(scene: &Scene) -> [usize; 2] {
     let mesh = scene.mesh.as_ref();
     let triangles = mesh.map_or(0, |mesh| mesh.triangles().len());
-    [triangles, scene.model.stitches().count()]
+    let model = &scene.model;
+    let stitches = model.stitches().count() + model.edge_stitches().count();
+    [triangles, stitches]
 }
 
 /// What counts triangles that go through bodies, where that can be.

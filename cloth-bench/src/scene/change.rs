@@ -3,12 +3,13 @@
 
 use super::Scene;
 use crate::error::BenchError;
-use cloth_core::cloth::ClothModel;
-use cloth_core::energy::Stitch;
+use cloth_core::cloth::{ClothModel, Elements};
+use cloth_core::enclosure::{ClosedVolume, Pressure};
+use cloth_core::energy::{Seam, SoftPin};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
-use nalgebra::{Rotation3, Unit};
+use cloth_core::pin::Motion;
 use std::sync::Arc;
 
 /// Something that happens to the cloth of a scene at a time.
@@ -35,13 +36,25 @@ pub enum ChangeKind {
         /// Their numbers.
         vertices: Vec<usize>,
     },
-    /// Pairs of vertices are drawn together, from the distance that they have.
-    Sew {
+    /// Vertices are tied by springs to points that are where they are, and move from there.
+    Tie {
         /// Their numbers.
-        pairs: Vec<[u32; 2]>,
-        /// Stiffness of each stitch (N/m).
-        stiffness: Vec<Real>,
-        /// When they have come together (s since the start).
+        vertices: Vec<usize>,
+        /// Stiffness of each spring (N/m).
+        stiffness: Real,
+        /// How the points move.
+        motion: Motion,
+    },
+    /// The ties of vertices vanish.
+    Untie {
+        /// Their numbers.
+        vertices: Vec<usize>,
+    },
+    /// Vertices are drawn to others, or to points of edges, from the distance that they have.
+    Sew {
+        /// The stitches, closed ones.
+        seam: Seam,
+        /// When they have closed (s since the start).
         until: Real,
     },
     /// A force acts on vertices from now on, spread over them by their masses.
@@ -53,50 +66,17 @@ pub enum ChangeKind {
         /// When it ends (s since the start): it acts in steps that begin before.
         until: Option<Real>,
     },
-    /// Triangles vanish, with all elements that need them. Masses and stitches stay.
+    /// Triangles vanish, with all elements that need them. Masses, links, stitches and ties stay.
     Tear {
         /// What is left of the mesh, with all its vertices.
         mesh: TriMesh,
         /// What is left of the elements.
         model: Box<ClothModel>,
+        /// Gases that are left inside of closed pieces.
+        gases: Vec<Pressure>,
+        /// Sealed volumes that are left.
+        volumes: Vec<ClosedVolume>,
     },
-}
-
-/// A turn about an axis and a shift at the same time, at a constant rate.
-#[derive(Clone, Copy, Debug)]
-pub struct Motion {
-    /// The whole shift (m).
-    pub shift: Vec3,
-    /// The whole rotation (rad): its direction is the axis, its length the angle.
-    pub turn: Vec3,
-    /// A point on the axis (m).
-    pub centre: Vec3,
-    /// How long it takes (s), above 0; rest after it.
-    pub duration: Real,
-}
-
-impl Motion {
-    /// Rest.
-    pub const NONE: Self = Self {
-        shift: Vec3::new(0.0, 0.0, 0.0),
-        turn: Vec3::new(0.0, 0.0, 0.0),
-        centre: Vec3::new(0.0, 0.0, 0.0),
-        duration: 1.0,
-    };
-
-    /// Where (m) a point is at a time (s) that is at `from` (m) until the time `since` (s).
-    pub fn path(self, from: Vec3, since: Real) -> impl Fn(Real) -> Vec3 + Send + Sync + 'static {
-        let axis = Unit::try_new_and_get(self.turn, 0.0);
-        let from_centre = from - self.centre;
-        move |time| {
-            let part = ((time - since) / self.duration).clamp(0.0, 1.0);
-            let turned = match &axis {
-                Some((axis, angle)) => Rotation3::from_axis_angle(axis, part * angle) * from_centre,
-                None => from_centre,
-            };
-            self.centre + turned + self.shift * part
-        }
-    }
 }
 
 impl Scene {
@@ -110,7 +90,8 @@ impl Scene {
             ChangeKind::Hold { vertices, motion } => {
                 let mut pins = scene.pins.as_deref().cloned().unwrap_or_default();
                 for &vertex in vertices {
-                    let path = motion.path(state.positions[vertex], state.time);
+                    let (motion, start, since) = (*motion, state.positions[vertex], state.time);
+                    let path = move |time| motion.position(start, since, time);
                     let particles = &mut scene.model.particles;
                     let held = pins.follow(particles, vertex, path);
                     held.map_err(BenchError::failed)?;
@@ -127,29 +108,46 @@ impl Scene {
                 }
                 scene.pins = Some(Arc::new(pins)).filter(|pins| !pins.is_empty());
             }
-            ChangeKind::Sew {
-                pairs,
+            ChangeKind::Tie {
+                vertices,
                 stiffness,
-                until,
+                motion,
             } => {
-                let x = |vertex: u32| state.positions[vertex as usize];
+                let (x, now) = (&state.positions, state.time);
+                let tie = |&v: &usize| SoftPin::new(v as u32, *stiffness, x[v], *motion, now);
+                let pins = Elements::SoftPins(vertices.iter().map(tie).collect());
+                scene.model.fasten([pins]);
+            }
+            ChangeKind::Untie { vertices } => {
+                let is_held = |pin: &SoftPin| !vertices.contains(&(pin.vertex() as usize));
+                for family in &mut scene.model.others {
+                    if let Elements::SoftPins(pins) = family {
+                        pins.retain(is_held);
+                    }
+                }
+            }
+            ChangeKind::Sew { seam, until } => {
                 let times = [state.time, *until];
-                let stitch = |(&[a, b], &k): (&[u32; 2], &Real)| {
-                    Stitch::closing([a, b], k, (x(a) - x(b)).norm(), times)
-                };
-                let stitches = pairs.iter().zip(stiffness).map(stitch);
-                scene.model.sew(stitches.collect());
+                let seam = seam.clone().closing(&state.positions, times);
+                scene.model.sew(seam);
             }
             ChangeKind::Push { .. } => {}
-            ChangeKind::Tear { mesh, model } => {
-                let stitches = scene.model.stitches().copied().collect();
+            ChangeKind::Tear {
+                mesh,
+                model,
+                gases,
+                volumes,
+            } => {
+                scene.gases.clone_from(gases);
+                scene.volumes.clone_from(volumes);
+                let fastenings: Vec<Elements> = scene.model.fastenings().cloned().collect();
                 let particles = scene.model.particles;
                 scene.mesh = Some(mesh.clone());
                 scene.model = ClothModel {
                     particles,
                     ..(**model).clone()
                 };
-                scene.model.sew(stitches);
+                scene.model.fasten(fastenings);
             }
         }
         Ok(scene)

@@ -9,6 +9,7 @@ use crate::settings::{Choice, Range::*, Settings, Table};
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::{BroadPhaseKind, SeparationProbe};
+use cloth_core::energy::Seam;
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 
@@ -258,15 +259,16 @@ impl ContactSetup {
         self.untangles && !self.is_idle()
     }
 
-    /// What resolves contact of the cloth `mesh`, with pairs of vertices that are `sewn` together; nothing where there
-    /// is nothing to touch.
+    /// What resolves contact of the cloth `mesh` with this seam, from a time (s) on; nothing where there is nothing to
+    /// touch.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a mesh or a setting that does not serve.
     pub fn source(
         &self,
         mesh: &TriMesh,
-        sewn: &[[u32; 2]],
+        seam: &Seam,
+        time: Real,
     ) -> Result<Option<PotentialContacts>, BenchError> {
         if self.is_idle() {
             return Ok(None);
@@ -278,7 +280,8 @@ impl ContactSetup {
             .broad_phase(self.broad_phase)
             .pinched_cloth_passes(self.pinched_passes)
             .self_collision(self.self_collision)
-            .sew(sewn);
+            .begins_at(time)
+            .sew(&seam.sewn_pairs(), &seam.sewn_onto_edges());
         if let Some(pieces) = &self.pieces {
             contacts = contacts
                 .thickness_of_vertices(pieces.thickness.clone())

@@ -2,8 +2,8 @@
 //!
 //! Every key, with its unit, default and range, is in [`SECTIONS`], which `cloth-bench list` shows;
 //! `cloth-bench/scenes` has examples. What is wrong with a file is said with its line and key, and an unknown key is
-//! answered with the nearest known one. Keys of `[cloth]` and `[contact]` are those of `--set`, which overrules the
-//! file.
+//! answered with the nearest known one. Keys of `[cloth]`, `[contact]` and `[method.NAME]` are those of `--set`, which
+//! overrules the file.
 
 mod air;
 mod build;
@@ -12,8 +12,10 @@ mod force;
 mod gas;
 mod keys;
 mod link;
+mod mass;
 mod material;
 mod mesh;
+mod methods;
 mod natural_order;
 mod obstacles;
 mod pins;

@@ -4,7 +4,7 @@ mod glb;
 
 use cloth_core::math::Vec3;
 use cloth_core::mesh::{TriMesh, io};
-use glb::Glb;
+pub(crate) use glb::Glb;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

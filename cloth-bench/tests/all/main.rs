@@ -3,6 +3,7 @@
 
 mod animations;
 mod bending_laws;
+mod body_mass;
 mod broad_phase;
 mod ccd;
 mod changes;
@@ -29,6 +30,7 @@ mod locking;
 mod memory;
 mod mesh_spec;
 mod messages;
+mod method_tables;
 mod names;
 mod pinched;
 #[path = "../support/program.rs"]
@@ -46,10 +48,13 @@ mod scene_file;
 mod scene_text;
 mod seam;
 mod settings;
+mod soft_pins;
 mod stops;
 mod studies;
 mod tangled;
+mod tears;
 mod towel;
+mod uneven_seams;
 mod untangle;
 mod user_forces;
 mod volume;

@@ -8,7 +8,7 @@ use cloth_bench::settings::Settings;
 use cloth_core::element::{Constraint, Energy, Projective, RowArray};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
-    MidpointHinge, Spring, Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
+    MidpointHinge, SoftPin, Spring, Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
     VolumeTetrahedron,
 };
 use std::collections::BTreeSet;
@@ -88,6 +88,7 @@ fn the_table_of_elements_is_that_of_the_code() {
         cells!(StrainLimitSpring, 2),
         cells!(StrainLimitTriangle, 3),
         cells!(Attachment, 1),
+        cells!(SoftPin, 1),
         cells!(Stitch, 2),
     ];
     let mut wrong = Vec::new();

@@ -295,14 +295,6 @@ fn masses_without_meaning_are_refused() {
             7,
             "density has no meaning",
         ),
-        (
-            "torn",
-            format!(
-                "{sheet}{ball}100\n[[tear]]\ntime = 1\nbox = [[0.26, 0.26, -1], [0.49, 0.49, 1]]\n"
-            ),
-            8,
-            "cannot be torn",
-        ),
     ] {
         let said = refused(name, text);
         let place = format!("{name}.toml: line {line}: ");
@@ -324,7 +316,7 @@ fn pbd_pushes_no_body() {
         .build(&scene, &Settings::default(), scene.dt)
         .err()
         .unwrap();
-    let words = "`pbd` cannot push an obstacle that has a density: ";
+    let words = "`pbd` cannot push an obstacle that has a mass: ";
     assert!(said.to_string().starts_with(words), "{said}");
 }
 

@@ -324,12 +324,6 @@ fn what_is_wrong_with_a_seam_is_said_with_line_and_key() {
     };
     for (name, seam, line, words) in [
         (
-            "counts",
-            "meshes = [0, 1]\nfirst = [0, 1, 2]\nsecond = [0, 1]\nuntil = 1\n",
-            9,
-            "has 3 vertices and the second 2",
-        ),
-        (
             "mesh",
             "meshes = [0, 2]\nfirst = [0, 1]\nsecond = [0, 1]\n",
             7,

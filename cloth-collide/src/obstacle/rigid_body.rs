@@ -124,6 +124,22 @@ impl RigidBody {
         Ok((Self::new(mass, inertia, gravity)?, centre))
     }
 
+    /// The same with another mass (kg), to which its inertia is in proportion.
+    ///
+    /// # Errors
+    /// As [`RigidBody::new`].
+    pub fn with_mass(&self, mass: Real) -> Result<Self, ObstacleError> {
+        Self::new(mass, self.inertia * (mass / self.mass), self.gravity)
+    }
+
+    /// The same with another inertia (kg·m²).
+    ///
+    /// # Errors
+    /// As [`RigidBody::new`].
+    pub fn with_inertia(&self, inertia: Matrix3<Real>) -> Result<Self, ObstacleError> {
+        Self::new(self.mass, inertia, self.gravity)
+    }
+
     /// m (kg).
     #[must_use]
     pub fn mass(&self) -> Real {

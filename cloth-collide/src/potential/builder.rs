@@ -41,6 +41,8 @@ pub struct PotentialBuilder<'a> {
     obstacles: Vec<Body>,
     surfaces: Vec<(TriMesh, Motion)>,
     free: Vec<(usize, RigidBody)>,
+    /// At which the first step begins (s).
+    time: Real,
     own: Own,
 }
 
@@ -54,6 +56,7 @@ impl<'a> PotentialBuilder<'a> {
             obstacles: Vec::new(),
             surfaces: Vec::new(),
             free: Vec::new(),
+            time: 0.0,
             own: Own {
                 self_collision: true,
                 ..Own::default()
@@ -98,11 +101,13 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// Pairs of vertices that are sewn together. Two parts of the cloth that have vertices of one pair, directly or
-    /// through others, are neighbours, as if they shared a vertex: they are not kept apart.
+    /// Pairs of vertices that are sewn together, and vertices that are sewn onto an edge, each with the ends of that.
+    /// Two parts of the cloth that have vertices of one pair, directly or through others, are neighbours, as if they
+    /// shared a vertex: they are not kept apart. So are a part with a vertex and one with an end of the edge that it is
+    /// sewn onto.
     #[must_use]
-    pub fn sew(mut self, pairs: &[[u32; 2]]) -> Self {
-        self.own.sewn = Sewn::new(pairs);
+    pub fn sew(mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
+        self.own.sewn = Sewn::new(pairs, onto_edges);
         self
     }
 
@@ -180,6 +185,13 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
+    /// The first step begins at this time (s): bodies are where their motion has taken them by then.
+    #[must_use]
+    pub fn begins_at(mut self, time: Real) -> Self {
+        self.time = time;
+        self
+    }
+
     /// Whether cloth to which bodies leave no free way passes through one of them until it is out again; see
     /// [pinched cloth](super#pinched-cloth). Unless told so, such a step is
     /// [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
@@ -204,7 +216,7 @@ impl<'a> PotentialBuilder<'a> {
     /// as many as these, the surface of an obstacle that there is not, or a free one that there is not, an animation of
     /// another number of vertices than its mesh, a sewn vertex that there is not, or vertices beyond 2³² together.
     /// [`BuildError::SettingsConflict`] for restitution beside a free body.
-    pub fn build(self) -> Result<PotentialContacts, BuildError> {
+    pub fn build(mut self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
         let most = self.own.thicknesses.iter().copied().reduce(Real::max);
         let thickness = most.unwrap_or(self.thickness);
@@ -225,6 +237,14 @@ impl<'a> PotentialBuilder<'a> {
         not_negative("friction of contact", self.own.friction)?;
         for (_, friction) in &self.obstacles {
             not_negative("friction of a body", *friction)?;
+        }
+        for (obstacle, _) in self.obstacles.iter_mut().filter(|_| self.time != 0.0) {
+            let moved = obstacle.advance(self.time);
+            let (name, range) = (
+                "time at which contact begins (s)",
+                "one to which bodies come",
+            );
+            moved.map_err(|_| invalid(name, self.time, range))?;
         }
         let sides = self.sides()?;
         let free = self.free_bodies()?;
@@ -255,7 +275,7 @@ impl<'a> PotentialBuilder<'a> {
             list: Vec::new(),
         });
         contacts.rows.bodies.measures_approach = self.restitution.is_some();
-        let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces);
+        let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces, self.time);
         let mut contacts = PotentialContacts { contacts, surfaces };
         contacts.record_forces(false);
         Ok(contacts)

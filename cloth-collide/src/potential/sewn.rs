@@ -8,16 +8,22 @@ pub(crate) struct Sewn {
     /// A number for each vertex up to the last that is sewn, the same for those that are sewn together, directly or
     /// through others.
     class: Vec<u32>,
+    /// Pairs of classes of which one has a vertex that is sewn onto an edge and the other an end of that; sorted.
+    onto: Vec<[u32; 2]>,
 }
 
 impl Sewn {
-    /// Pairs of vertices that are sewn together.
-    pub(crate) fn new(pairs: &[[u32; 2]]) -> Self {
-        let last = pairs.iter().flatten().max();
-        let count = last.map_or(0, |&last| last as usize + 1);
-        Self {
-            class: joined(count, pairs),
-        }
+    /// Pairs of vertices that are sewn together, and vertices that are sewn onto an edge, each with the ends of that.
+    /// The ends are its neighbours, and through it nobody else's.
+    pub(crate) fn new(pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
+        let all = pairs.iter().flatten().chain(onto_edges.iter().flatten());
+        let count = all.max().map_or(0, |&last| last as usize + 1);
+        let class = joined(count, pairs);
+        let ends = onto_edges.iter().flat_map(|&[v, a, b]| [[v, a], [v, b]]);
+        let of = |v: u32| class[v as usize];
+        let mut onto: Vec<[u32; 2]> = ends.map(|[v, end]| sorted(of(v), of(end))).collect();
+        onto.sort_unstable();
+        Self { class, onto }
     }
 
     /// Pairs that sew the same together.
@@ -37,14 +43,24 @@ impl Sewn {
         if self.class.is_empty() {
             return false;
         }
-        let class = |v: u32| self.class.get(v as usize);
+        let class = |v: u32| self.class.get(v as usize).copied();
         let later = |k: usize| &vertices[k + 1..];
         (0..vertices.len()).any(|k| {
             let own = vertices[k];
-            let is_sewn = |&other: &u32| other != own && class(other) == class(own);
-            class(own).is_some() && later(k).iter().any(is_sewn)
+            class(own).is_some_and(|of_own| {
+                let is_sewn = |&other: &u32| match class(other) {
+                    Some(same) if same == of_own => other != own,
+                    Some(of_other) => self.onto.binary_search(&sorted(of_own, of_other)).is_ok(),
+                    None => false,
+                };
+                later(k).iter().any(is_sewn)
+            })
         })
     }
+}
+
+fn sorted(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
 }
 
 #[cfg(test)]

@@ -81,7 +81,8 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>) -> Self {
+    /// `time` is that (s) at which the first step begins.
+    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>, time: Real) -> Self {
         let own = list.iter().map(|(mesh, _)| mesh.vertex_count());
         let count = cloth + own.sum::<usize>();
         let room = || vec![Vec3::zeros(); count];
@@ -93,8 +94,8 @@ impl Surfaces {
         Self {
             cloth,
             list: list.into_iter().map(nowhere).collect(),
-            time: 0.0,
-            begun: 0.0,
+            time,
+            begun: time,
             inverse_mass: vec![0.0; count],
             from: room(),
             to: room(),
@@ -263,10 +264,10 @@ impl PotentialContacts {
         ledger.map(|ledger| &ledger.forces)
     }
 
-    /// From the next step on these pairs of vertices are sewn together, and no others; see
+    /// From the next step on these vertices are sewn together, and no others; see
     /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
-    pub fn sew(&mut self, pairs: &[[u32; 2]]) {
-        self.contacts.near.own.sewn = Sewn::new(pairs);
+    pub fn sew(&mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) {
+        self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges);
         self.contacts.is_anew = true;
     }
 

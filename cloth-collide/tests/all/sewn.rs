@@ -46,12 +46,12 @@ fn a_seam_inside_the_thickness_pushes_nothing() {
     let mut apart = builder().build().unwrap();
     let (energy, force) = pushed(&mut apart, x);
     assert!(energy > 0.0 && force > 0.0, "{energy:e} J, {force:e} N");
-    let mut sewn = builder().sew(&pairs).build().unwrap();
+    let mut sewn = builder().sew(&pairs, &[]).build().unwrap();
     assert_eq!(pushed(&mut sewn, x), (0.0, 0.0));
     // Sewn later, and undone.
-    apart.sew(&pairs);
+    apart.sew(&pairs, &[]);
     assert_eq!(pushed(&mut apart, x), (0.0, 0.0));
-    apart.sew(&[]);
+    apart.sew(&[], &[]);
     assert_eq!(pushed(&mut apart, x), (energy, force));
 }
 
@@ -60,7 +60,7 @@ fn beyond_the_seam_the_pieces_keep_out_of_each_other() {
     let (mesh, pairs) = beside(1e-4);
     let mut sewn = PotentialContacts::builder(&mesh)
         .thickness(THICKNESS)
-        .sew(&pairs)
+        .sew(&pairs, &[])
         .build()
         .unwrap();
     // The second sheet is folded back over the first one, half a thickness above it at its far end.
@@ -73,7 +73,7 @@ fn beyond_the_seam_the_pieces_keep_out_of_each_other() {
     let (energy, _) = pushed(&mut sewn, &x);
     assert!(energy > 0.0);
     // Pushed through, it is counted.
-    let mut probe = SeparationProbe::new(&mesh).sew(&pairs);
+    let mut probe = SeparationProbe::new(&mesh).sew(&pairs, &[]);
     assert_eq!(probe.measure(&x).unwrap().intersecting_pairs, 0);
     for v in [18, 22, 26, 30] {
         x[v].z = -0.5 * THICKNESS;
@@ -87,7 +87,10 @@ fn triangles_that_meet_at_a_seam_do_not_count_as_crossing() {
     let x = mesh.positions();
     let all = SeparationProbe::new(&mesh).measure(x).unwrap();
     assert!(all.intersecting_pairs > 0);
-    let sewn = SeparationProbe::new(&mesh).sew(&pairs).measure(x).unwrap();
+    let sewn = SeparationProbe::new(&mesh)
+        .sew(&pairs, &[])
+        .measure(x)
+        .unwrap();
     assert_eq!(sewn.intersecting_pairs, 0);
     assert!(sewn.min_distance.unwrap() > 0.05, "{sewn:?}");
 }
@@ -95,7 +98,9 @@ fn triangles_that_meet_at_a_seam_do_not_count_as_crossing() {
 #[test]
 fn a_sewn_vertex_that_there_is_not_is_refused() {
     let (mesh, _) = beside(1e-4);
-    let built = PotentialContacts::builder(&mesh).sew(&[[0, 32]]).build();
+    let built = PotentialContacts::builder(&mesh)
+        .sew(&[[0, 32]], &[])
+        .build();
     match built.map(drop) {
         Err(BuildError::OutOfRange(OutOfRange { name, value, .. })) => {
             assert_eq!((name, value), ("number of a sewn vertex", 32.0));

@@ -6,8 +6,8 @@
 
 use crate::element::{Constraint, Energy, Projective};
 use crate::energy::{
-    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, MidpointHinge, Spring,
-    Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
+    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, MidpointHinge, SoftPin,
+    Spring, Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
 };
 use crate::method::family::Energies;
 use crate::step::BuildError;
@@ -39,8 +39,14 @@ pub enum Elements {
     Cubic(Vec<CubicShell>),
     /// Quadratic hinges between triangles that share the middle of an edge.
     Midpoint(Vec<MidpointHinge>),
-    /// Stitches of seams.
+    /// Ties to points that move.
+    SoftPins(Vec<SoftPin>),
+    /// Links: springs that are no part of the cloth, rigid ones with an infinite stiffness.
+    Links(Vec<Spring>),
+    /// Stitches of seams from vertex to vertex.
     Stitches(Vec<Stitch>),
+    /// Stitches of seams from a vertex to a point of an edge.
+    EdgeStitches(Vec<Stitch<3>>),
 }
 
 impl Elements {
@@ -58,7 +64,10 @@ impl Elements {
             Self::Dihedral(_) => "dihedral hinges",
             Self::Cubic(_) => "cubic-shell hinges",
             Self::Midpoint(_) => "hinges of edge midpoints",
+            Self::SoftPins(_) => "soft pins",
+            Self::Links(_) => "links",
             Self::Stitches(_) => "stitches",
+            Self::EdgeStitches(_) => "stitches onto edges",
         }
     }
 
@@ -76,7 +85,10 @@ impl Elements {
             Self::Dihedral(elements) => elements.len(),
             Self::Cubic(elements) => elements.len(),
             Self::Midpoint(elements) => elements.len(),
+            Self::SoftPins(elements) => elements.len(),
+            Self::Links(elements) => elements.len(),
             Self::Stitches(elements) => elements.len(),
+            Self::EdgeStitches(elements) => elements.len(),
         }
     }
 
@@ -102,7 +114,10 @@ impl Elements {
                 (Self::Dihedral(own), Self::Dihedral(more)) => return own.append(more),
                 (Self::Cubic(own), Self::Cubic(more)) => return own.append(more),
                 (Self::Midpoint(own), Self::Midpoint(more)) => return own.append(more),
+                (Self::SoftPins(own), Self::SoftPins(more)) => return own.append(more),
+                (Self::Links(own), Self::Links(more)) => return own.append(more),
                 (Self::Stitches(own), Self::Stitches(more)) => return own.append(more),
+                (Self::EdgeStitches(own), Self::EdgeStitches(more)) => return own.append(more),
                 _ => {}
             }
         }
@@ -122,7 +137,10 @@ impl Elements {
             Self::Dihedral(elements) => visitor.visit(elements),
             Self::Cubic(elements) => visitor.visit(elements),
             Self::Midpoint(elements) => visitor.visit(elements),
+            Self::SoftPins(elements) => visitor.visit(elements),
+            Self::Links(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
+            Self::EdgeStitches(elements) => visitor.visit(elements),
         }
     }
 
@@ -141,7 +159,10 @@ impl Elements {
             Self::Curved(elements) => visitor.visit(elements),
             Self::Dihedral(elements) => visitor.visit(elements),
             Self::Midpoint(elements) => visitor.visit(elements),
+            Self::SoftPins(elements) => visitor.visit(elements),
+            Self::Links(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
+            Self::EdgeStitches(elements) => visitor.visit(elements),
             Self::Cubic(_) => return Err(self.no_view("is a sum of squares ½ k C²")),
         })
     }
@@ -159,7 +180,10 @@ impl Elements {
             Self::Quadratic(elements) => visitor.visit(elements),
             Self::Curved(elements) => visitor.visit(elements),
             Self::Midpoint(elements) => visitor.visit(elements),
+            Self::SoftPins(elements) => visitor.visit(elements),
+            Self::Links(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
+            Self::EdgeStitches(elements) => visitor.visit(elements),
             Self::Stvk(_) | Self::Dihedral(_) | Self::Cubic(_) => {
                 return Err(self.no_view("is a squared distance ½ w ‖Sx − p‖² to a set"));
             }

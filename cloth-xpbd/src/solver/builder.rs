@@ -21,8 +21,9 @@ use cloth_core::step::BuildError;
 /// | element | C | ∂C/∂xᵢ | where ∂C has no value |
 /// |---|---|---|---|
 /// | `Spring` | `l − L`, `l = ‖x₀ − x₁‖` | n and −n, `n = (x₀ − x₁)/l` | l = 0: any n, by the vertex numbers |
-/// | `Attachment` | three: `x − p` | e_a | |
-/// | [`Joint`](crate::links::Joint), closed `Stitch` | three: `x₀ − x₁` | e_a and −e_a | |
+/// | `Attachment`, `SoftPin` | three: `x − p` | e_a | |
+/// | [`Joint`](crate::links::Joint) | three: `x₀ − x₁` | e_a and −e_a | |
+/// | closed `Stitch` | three: `z = Σ qᵢ xᵢ` | qᵢ e_a | |
 /// | `CurvatureHinge`, `MidpointHinge` | three: `z = Σ qᵢ xᵢ` | qᵢ e_a | |
 /// | `CurvedHinge` | `‖z‖ − r` | `qᵢ z/‖z‖` | z = 0: any direction, by the numbers |
 /// | `DihedralHinge` | `θ − θ₀` | below | a wing without area: C and ∂C are zero |

@@ -11,6 +11,8 @@ pub(super) struct Morph {
     /// The first frame (m).
     start: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
+    /// Triangles that have vanished, with the number of the first frame without them.
+    torn: Vec<(usize, Vec<[u32; 3]>)>,
     /// Displacements of all later frames, with the least and the largest of each.
     targets: Vec<u8>,
     ranges: Vec<[[f32; 3]; 2]>,
@@ -31,7 +33,9 @@ impl Morph {
 
     /// Size (bytes) in the file after so many frames, but for the JSON and the weights.
     pub(super) fn size(&self, frames: u64) -> u64 {
-        let [v, f] = [self.start.len(), self.triangles.len()].map(|n| n as u64);
+        let torn = self.torn.iter().map(|(_, triangles)| triangles.len());
+        let f = self.triangles.len() + torn.sum::<usize>();
+        let [v, f] = [self.start.len(), f].map(|n| n as u64);
         12 * (v * frames + f)
     }
 
@@ -46,6 +50,30 @@ impl Morph {
             Some(vertex) => Err(vertex),
             None => Ok(displacements),
         }
+    }
+
+    /// From the next frame on only these triangles are left, in the order that they have.
+    pub(super) fn tear(&mut self, left: &[[u32; 3]]) {
+        if left.len() == self.triangles.len() {
+            return;
+        }
+        let mut left = left.iter().peekable();
+        let all = std::mem::take(&mut self.triangles).into_iter();
+        let is_left = |triangle: &[u32; 3]| left.next_if_eq(&triangle).is_some();
+        let (kept, gone) = all.partition(is_left);
+        self.triangles = kept;
+        self.torn.push((self.frames, gone));
+    }
+
+    /// The meshes of what vanishes, beside that of the rest, with the numbers of the first frames without them.
+    pub(super) fn torn(&self, rest: &Value, file: &mut Pieces) -> Vec<(usize, Value)> {
+        let mesh = |(frame, triangles): &(usize, Vec<[u32; 3]>)| {
+            let mut mesh = rest.clone();
+            mesh["name"] = json!(format!("{} torn at frame {frame}", self.name));
+            mesh["primitives"][0]["indices"] = json!(file.indices(triangles));
+            (*frame, mesh)
+        };
+        self.torn.iter().map(mesh).collect()
     }
 
     /// Adds a frame that is so far (m) from the first.

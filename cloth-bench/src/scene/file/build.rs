@@ -3,12 +3,15 @@
 use super::document::{Document, Section};
 use super::keys::{MESH_CLOTH, MESH_CONTACT, Obstacle, SECTIONS, Top, overrulable};
 use super::material::Material;
-use super::{air, force, gas, link, mesh, obstacles, pins, roughness, seam, start, tear};
+use super::{
+    air, force, gas, link, mass, mesh, methods, obstacles, pins, roughness, seam, start, tear,
+};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{ContactSetup, Surface};
 use crate::scene::{Scene, build as built_in};
 use crate::settings::{Settings, Table};
+use cloth_core::cloth::Elements;
 use cloth_core::math::Vec3;
 use cloth_core::method::ordering::Order;
 use cloth_core::pin::Pins;
@@ -61,6 +64,7 @@ struct Sections<'a> {
     roughness: Vec<Option<Section<'a>>>,
     cloth: Section<'a>,
     pins: Vec<Section<'a>>,
+    masses: Vec<Section<'a>>,
     forces: Vec<Section<'a>>,
     tears: Vec<Section<'a>>,
     seams: Vec<Section<'a>>,
@@ -70,6 +74,8 @@ struct Sections<'a> {
     obstacles: Vec<Section<'a>>,
     contact: Section<'a>,
     chain: Section<'a>,
+    /// Settings of methods, by the names of these.
+    methods: Vec<(&'static str, Settings)>,
 }
 
 impl<'a> Sections<'a> {
@@ -81,6 +87,7 @@ impl<'a> Sections<'a> {
             _,
             cloth,
             pins,
+            masses,
             forces,
             tears,
             seams,
@@ -90,11 +97,13 @@ impl<'a> Sections<'a> {
             obstacles,
             contact,
             chain,
+            _,
         ] = &SECTIONS;
         let names: Vec<&str> = SECTIONS[1..]
             .iter()
             .filter(|info| !info.head.contains('.'))
             .map(|info| info.head.trim_matches(['[', ']']))
+            .chain(["method"])
             .collect();
         let named = |info: &super::SectionInfo| root.get(info.head.trim_matches(['[', ']']));
         let table = |value: &'a Spanned<DeValue<'a>>, info: &'static super::SectionInfo| {
@@ -137,6 +146,7 @@ impl<'a> Sections<'a> {
             roughness,
             cloth: one(cloth)?,
             pins: all(pins)?,
+            masses: all(masses)?,
             forces: all(forces)?,
             tears: all(tears)?,
             seams: all(seams)?,
@@ -146,6 +156,7 @@ impl<'a> Sections<'a> {
             obstacles: all(obstacles)?,
             contact: one(contact)?,
             chain: one(chain)?,
+            methods: methods::settings(document, root.get("method"))?,
         })
     }
 
@@ -167,6 +178,7 @@ impl<'a> Sections<'a> {
             gravity,
             dt: top.dt.unwrap_or(scene.dt),
             steps: top.steps.unwrap_or(scene.steps),
+            methods: self.methods.clone(),
             ..scene
         })
     }
@@ -177,6 +189,7 @@ impl<'a> Sections<'a> {
             .into_iter()
             .chain(&self.meshes)
             .chain(&self.pins)
+            .chain(&self.masses)
             .chain(&self.forces)
             .chain(&self.tears)
             .chain(&self.seams)
@@ -211,6 +224,10 @@ impl<'a> Sections<'a> {
         for section in &self.pins {
             held.push(pins::chosen(section, &mesh, up)?);
         }
+        let mut weighted = Vec::new();
+        for section in &self.masses {
+            weighted.push(pins::chosen(section, &mesh, up)?);
+        }
         let mut pushed = Vec::new();
         for section in &self.forces {
             pushed.push(pins::chosen(section, &mesh, up)?);
@@ -218,7 +235,7 @@ impl<'a> Sections<'a> {
         let borders = seam::Borders::new(&self.seams, &mesh, &counts)?;
         let mut seams = Vec::new();
         for (section, borders) in self.seams.iter().zip(borders.iter().cycle()) {
-            seams.push(borders.pairs(section)?);
+            seams.push(borders.ends(section)?);
         }
         seam::refuse_repeated(&self.seams, &seams)?;
         let mut links = Vec::new();
@@ -229,7 +246,8 @@ impl<'a> Sections<'a> {
         let order = from_file.then(|| Order::morton(mesh.positions()));
         let mesh = match &order {
             Some(order) => {
-                for vertex in held.iter_mut().chain(&mut pushed).flatten() {
+                let chosen = held.iter_mut().chain(&mut pushed).chain(&mut weighted);
+                for vertex in chosen.flatten() {
                     *vertex = order.new_of_old()[*vertex] as usize;
                 }
                 material.reorder(order);
@@ -239,25 +257,26 @@ impl<'a> Sections<'a> {
             None => mesh,
         };
         let mut model = material.cut(&mesh, |_| true)?;
-        let is_linked = !links.is_empty();
-        model.link(links);
-        if let (true, Some(tear)) = (is_linked, self.tears.first()) {
-            return Err(tear.refuse_table("cloth with links cannot be torn"));
+        for (section, vertices) in self.masses.iter().zip(weighted) {
+            mass::add(section, &vertices, &mut model.particles)?;
         }
-        let (gases, volumes) = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
-        let is_empty = gases.is_empty() && volumes.is_empty();
-        if let (false, Some(tear)) = (is_empty, self.tears.first()) {
-            return Err(tear.refuse_table("cloth with gas inside cannot be torn"));
-        }
-        let mut changes = tear::tears(&self.tears, &material, &mesh)?;
+        model.fasten([Elements::Links(links)]);
+        let inside = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
+        let (gases, volumes) = gas::left(&inside, &vec![true; mesh.triangles().len()]);
+        let mut changes = tear::tears(&self.tears, &material, &mesh, &inside)?;
         let mut ways = Pins::new();
         let holds = self.pins.iter().zip(held);
         let holds = holds.map(|(section, vertices)| pins::hold(section, vertices));
         let holds: Vec<pins::Hold> = holds.collect::<Result<_, _>>()?;
         pins::refuse_overlap(&self.pins, &holds)?;
         for (section, hold) in self.pins.iter().zip(holds) {
-            let (x, particles) = (mesh.positions(), &mut model.particles);
-            hold.apply(section, x, particles, &mut ways, &mut changes)?;
+            hold.apply(
+                section,
+                mesh.positions(),
+                &mut model,
+                &mut ways,
+                &mut changes,
+            )?;
         }
         for (section, vertices) in self.forces.iter().zip(pushed) {
             let push = force::push(section, vertices, &model.particles, &changes)?;
@@ -271,12 +290,10 @@ impl<'a> Sections<'a> {
             .map(|section| obstacles::body(section, folder, [size, thickness], gravity))
             .collect::<Result<_, _>>()?;
         let mut touch = ContactSetup::new(&contact, bodies)?;
-        if let (true, Some(tear)) = (touch.free_bodies().next().is_some(), self.tears.first()) {
-            return Err(tear.refuse_table("cloth that pushes a body (density) cannot be torn"));
-        }
         for obstacle in self.obstacles.iter().filter(|_| touch.is_idle()) {
-            let density = obstacle.read::<Obstacle>()?.density;
-            density.refuse_given("with contact=none")?;
+            let own = obstacle.read::<Obstacle>()?;
+            own.density.refuse_given("with contact=none")?;
+            own.mass.refuse_given("with contact=none")?;
         }
         touch.pieces = roughness::of_pieces(&contact, &self.roughness, &counts, order.as_ref())?;
         touch.check_friction(&contact)?;
@@ -296,8 +313,8 @@ impl<'a> Sections<'a> {
         };
         start::apply(&self.start, &mut scene)?;
         let order = scene.order.clone();
-        for (section, pairs) in self.seams.iter().zip(seams) {
-            seam::apply(section, pairs, &material, order.as_ref(), &mut scene)?;
+        for (section, ends) in self.seams.iter().zip(seams) {
+            seam::apply(section, ends, &material, order.as_ref(), &mut scene)?;
         }
         scene.changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(scene)

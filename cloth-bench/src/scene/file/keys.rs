@@ -82,10 +82,17 @@ crate::settings! {
         centre: Option<Vec3> = "[0, 0, 0]" "m", "a point on the axis of the turn";
         duration: Real = 1 "s" in Above(0.0),
             "how long shift and turn take, at a constant rate; the pins rest after it";
+        stiffness: Or<Infinite, Real> = "inf" "N/m" in Above(0.0),
+            "of the spring by which each vertex is tied to the place where it would be held, or inf: it is there";
         from: Real = 0 "s" in AtLeast(0.0),
             "time at which the vertices are grabbed, wherever they are then; move and turn begin with it";
         until: Option<Real> = "none" "s" in AtLeast(0.0),
             "time at which they are released with the velocity they have, after from; none: never";
+    }
+    /// Of a `[[mass]]`.
+    pub(super) struct Mass {
+        mass: Option<Real> = "needed" "kg" in Above(0.0),
+            "of all the chosen vertices together, spread over them evenly";
     }
     /// Of a `[[force]]`.
     pub(super) struct Force {
@@ -98,7 +105,8 @@ crate::settings! {
     pub(super) struct Tear {
         time: Option<Real> = "needed" "s" in AtLeast(0.0), "of the tear";
         corners as "box": Option<[Vec3; 2]> = "needed" "m",
-            "two corners such as [[0, 0, 0], [1, 1, 1]]: triangles whose middle, at rest, is in between vanish";
+            "two corners such as [[0, 0, 0], [1, 1, 1]]: triangles whose middle, at rest, is in between vanish, but \
+             none that would leave a vertex alone";
     }
     /// Of a `[[seam]]`.
     pub(super) struct Seam {
@@ -110,16 +118,18 @@ crate::settings! {
              this or first_border";
         first_border: Option<Vec<u32>> = "none",
             "the two ends of the first chain, which goes along the border the shorter way; a number in between says \
-             which way, such as [0, 5, 40]";
+             which way, such as [0, 5, 40]; the same end twice is all of the border, such as [0, 5, 0]";
         second: Option<Vec<u32>> = "none",
-            "the same of the second chain: as many vertices, each for the one of the first in the same place";
+            "the same of the second chain: as many vertices, each for the one of the first in the same place; of \
+             another number the vertices of the chain that has more are sewn to the points of the other at the same \
+             fraction of its length";
         second_border: Option<Vec<u32>> = "none",
             "the same of the second chain; its first end is sewn to the first end of the other";
         stiffness: Option<Real> = "none" "N/m" in Above(0.0),
-            "of the stitch between two vertices; none: the stiffness of the cloth's springs, or the modulus that is \
+            "of the stitch at each vertex; none: the stiffness of the cloth's springs, or the modulus that is \
              given in its place, of two pieces the smaller one";
         from: Real = 0 "s" in AtLeast(0.0),
-            "time at which sewing begins, whatever the distance between two vertices is then";
+            "time at which sewing begins, whatever the distance of a vertex from what it is sewn to is then";
         until: Option<Real> = "none" "s" in AtLeast(0.0),
             "time at which that distance, which falls at a constant rate, is zero, after from; none: the chains lie on \
              each other at the start";
@@ -144,15 +154,22 @@ crate::settings! {
         position: Option<Vec3> = "[0, 0, 0]" "m", "of the middle, or of a point on a plane, at the start";
         rotate: Option<Vec3> = "[0, 0, 0]" "rad",
             "rotation about the origin: its direction is the axis, its length the angle";
-        velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "constant, or with a density at the start";
+        velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "constant, or with a density or a mass at the start";
         angular_velocity: Option<Vec3> = "[0, 0, 0]" "rad/s",
-            "the same of turning, about the position; with a density about the centre of mass";
+            "the same of turning, about the position; with a density or a mass about the centre of mass";
         friction: Option<Real> = "that of [contact]" in AtLeast(0.0), "coefficient of friction of the cloth on it";
         density: Option<Real> = "none" "kg/m³" in Above(0.0),
             "of a body that gravity pulls and the cloth pushes; none: it keeps its velocities, whatever pushes it. It \
              stops, without a rebound and without friction, before held vertices and before other bodies, but for \
              animations; other bodies pass through each other. A run cuts a step into parts that are short enough for \
              the contact of the body";
+        mass: Option<Real> = "none" "kg" in Above(0.0), "the same body by its mass: give this or a density";
+        inertia: Option<Vec3> = "none" "kg·m²" in Above(0.0),
+            "of such a body about its centre of mass, along the axes of its shape; none: that of a shape which is \
+             filled evenly, about its own centre of mass";
+        centre: Option<Vec3> = "none" "m",
+            "of mass of such a body, from its position, in the axes of its shape; none: that of a shape which is \
+             filled evenly";
     }
 }
 
@@ -211,8 +228,16 @@ pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
     keys: &[Surface::PARAMETERS, PieceContact::PARAMETERS],
 };
 
+/// For every method.
+pub(super) const METHOD: SectionInfo = SectionInfo {
+    head: "[method.NAME]",
+    about: "such as [method.pd]: settings of a method, with the keys that --set takes for it (see list) and overrules; \
+            run reads that of its method, and all of them are checked",
+    keys: &[],
+};
+
 /// Every table, in the order in which one would write them.
-pub const SECTIONS: [SectionInfo; 15] = [
+pub const SECTIONS: [SectionInfo; 17] = [
     SectionInfo {
         head: "",
         about: "before all tables",
@@ -236,13 +261,19 @@ pub const SECTIONS: [SectionInfo; 15] = [
         keys: &[Selection::PARAMETERS, Hold::PARAMETERS],
     },
     SectionInfo {
+        head: "[[mass]]",
+        about: "masses on chosen vertices, beside that of the cloth: a weighted hem",
+        keys: &[Selection::PARAMETERS, Mass::PARAMETERS],
+    },
+    SectionInfo {
         head: "[[force]]",
         about: "a constant force on chosen vertices, for some time or for ever",
         keys: &[Selection::PARAMETERS, Force::PARAMETERS],
     },
     SectionInfo {
         head: "[[tear]]",
-        about: "triangles that are torn out; their mass stays with their corners",
+        about: "triangles that are torn out; their mass stays with their corners, and what is inside a closed piece \
+                escapes; not of a cloth with a coarse level, which carries a whole mesh",
         keys: &[Tear::PARAMETERS],
     },
     SectionInfo {
@@ -280,6 +311,7 @@ pub const SECTIONS: [SectionInfo; 15] = [
         about: "a chain of links in the place of everything else but what stands before all tables",
         keys: &[Chain::PARAMETERS, Stiffness::PARAMETERS],
     },
+    METHOD,
 ];
 
 /// Keys that `--set` overrules.

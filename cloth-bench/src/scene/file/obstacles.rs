@@ -10,11 +10,12 @@ use crate::scene::touching;
 use crate::settings::Setting;
 use cloth_collide::obstacle::{
     AnimatedMesh, Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose, RigidBody,
-    RigidMotion, SampledDistance, Sphere, SurfaceOnly,
+    RigidMotion, SampledDistance, Shifted, SignedDistance, Sphere, SurfaceOnly,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{self, Diagonals, sphere};
 use cloth_core::mesh::{TriMesh, io};
+use nalgebra::Matrix3;
 use std::path::{Path, PathBuf};
 
 /// The body that a table describes. The size (m) of the scene is for planes in pictures, the thickness (m) of contact
@@ -55,11 +56,8 @@ fn animated(
     folder: &Path,
 ) -> Result<Body, BenchError> {
     only(section, own, &["folder", "interval"])?;
-    for key in [
-        own.velocity.bare(),
-        own.angular_velocity.bare(),
-        own.density.bare(),
-    ] {
+    let moves = [own.velocity.bare(), own.angular_velocity.bare()];
+    for key in moves.iter().chain(&weights(own)) {
         key.refuse_given("for this shape: its files say how it moves")?;
     }
     let name = needed(&own.folder)?;
@@ -107,33 +105,24 @@ fn rigid(
     gravity: Vec3,
 ) -> Result<Rigid, BenchError> {
     let refused = |error: ObstacleError| section.refuse_table(error);
-    let density = *own.density;
-    let free = |body: Option<Result<RigidBody, ObstacleError>>| {
-        body.transpose().map_err(|error| own.density.refuse(error))
-    };
     let motion = motion(own);
-    let placed = |shape: Result<Obstacle, ObstacleError>| shape.map_err(refused);
     match *own.shape {
         Some(Shape::Sphere) => {
             only(section, own, &["radius"])?;
             let radius = *needed(&own.radius)?;
             let ball = Sphere::new(radius).map_err(refused)?;
-            Ok((
-                placed(Obstacle::moving(ball, motion))?,
-                drawn(section, sphere(splits(radius, thickness), radius))?,
-                free(density.map(|density| RigidBody::sphere(density, radius, gravity)))?,
-            ))
+            let surface = drawn(section, sphere(splits(radius, thickness), radius))?;
+            let of = |density| RigidBody::sphere(density, radius, gravity);
+            around_centre(section, own, ball, surface, motion, of)
         }
         Some(Shape::Box) => {
             only(section, own, &["size"])?;
             let edges = *needed(&own.size)?;
             let half = edges / 2.0;
             let body = Cuboid::new(half).map_err(|error| own.size.refuse(error))?;
-            Ok((
-                placed(Obstacle::moving(body, motion))?,
-                generate::cuboid(half.into()).map_err(BenchError::failed)?,
-                free(density.map(|density| RigidBody::cuboid(density, half, gravity)))?,
-            ))
+            let surface = generate::cuboid(half.into()).map_err(BenchError::failed)?;
+            let of = |density| RigidBody::cuboid(density, half, gravity);
+            around_centre(section, own, body, surface, motion, of)
         }
         Some(Shape::Capsule) => {
             only(section, own, &["radius", "length"])?;
@@ -144,22 +133,19 @@ fn rigid(
             // Both halves of the ball, moved apart.
             let stretch = |x: &Vec3| x + Vec3::z() * if x.z < 0.0 { -half } else { half };
             let long = ball.positions().iter().map(stretch).collect();
-            let surface = TriMesh::new(long, ball.triangles().to_vec());
-            Ok((
-                placed(Obstacle::moving(body, motion))?,
-                drawn(section, surface)?,
-                free(density.map(|density| RigidBody::capsule(density, half, radius, gravity)))?,
-            ))
+            let surface = drawn(section, TriMesh::new(long, ball.triangles().to_vec()))?;
+            let of = |density| RigidBody::capsule(density, half, radius, gravity);
+            around_centre(section, own, body, surface, motion, of)
         }
         Some(Shape::Plane) => {
             only(section, own, &[])?;
             let plane = HalfSpace::new(Vec3::z()).map_err(refused)?;
             let surface = touching::centred([1, 1], [1.5 * size; 2], Diagonals::OneWay)?;
-            if density.is_some() {
-                let message = "a plane has no end, and so no mass";
-                return Err(own.density.refuse(message));
+            if let Some(key) = weights(own).iter().find(|key| key.is_given()) {
+                return Err(key.refuse("a plane has no end, and so no mass"));
             }
-            Ok((placed(Obstacle::moving(plane, motion))?, surface, None))
+            let obstacle = Obstacle::moving(plane, motion).map_err(refused)?;
+            Ok((obstacle, surface, None))
         }
         Some(Shape::Mesh | Shape::Animation) | None => Err(section.refuse_table("needs a shape")),
     }
@@ -185,7 +171,14 @@ fn of_mesh(
             return Ok(((body, surface, None), Some(why)));
         }
     };
-    let (surface, motion, free) = centred(section, own, surface, motion(own), gravity)?;
+    let mut middle = Vec3::zeros();
+    let free = body_of(own, |density| {
+        let (body, centre) = RigidBody::of_mesh(density, &surface, gravity)?;
+        middle = centre;
+        Ok(body)
+    })?;
+    let centre = free.map(|_| own.centre.unwrap_or(middle));
+    let (surface, motion) = about(section, centre, surface, motion(own))?;
     let body = match free {
         Some(_) => ClosedMesh::new(&surface).map_err(|error| section.refuse_table(error))?,
         None => closed,
@@ -208,14 +201,10 @@ fn hollow(
     own: &keys::Obstacle,
     error: ObstacleError,
 ) -> Result<String, BenchError> {
-    for (is_given, name) in [
-        (own.sampled.is_some(), "sampled"),
-        (own.density.is_some(), "density"),
-    ] {
-        if is_given {
-            let message = format!("{name} needs an inside, but {error}");
-            return Err(section.refuse_table(message));
-        }
+    let given = weights(own).into_iter().chain([own.sampled.bare()]);
+    if let Some(key) = given.into_iter().find(Setting::is_given) {
+        let message = format!("{} needs an inside, but {error}", key.name());
+        return Err(section.refuse_table(message));
     }
     // Not meant like that, rather than without an inside.
     let is_mistake = matches!(
@@ -233,30 +222,88 @@ fn hollow(
     Ok(error.to_string())
 }
 
-/// The surface of a body, and its motion. If it has a density, its frame has its origin in the centre of mass.
-fn centred(
+/// The keys of a body that the cloth pushes.
+fn weights(own: &keys::Obstacle) -> [Setting<()>; 4] {
+    [
+        own.density.bare(),
+        own.mass.bare(),
+        own.inertia.bare(),
+        own.centre.bare(),
+    ]
+}
+
+/// Mass and inertia, if the cloth pushes the body; `of` gives those of a density (kg/m³) about the centre of mass.
+fn body_of(
+    own: &keys::Obstacle,
+    mut of: impl FnMut(Real) -> Result<RigidBody, ObstacleError>,
+) -> Result<Option<RigidBody>, BenchError> {
+    let body = match (*own.density, *own.mass) {
+        (None, None) => {
+            own.inertia.refuse_without("a mass or a density")?;
+            own.centre.refuse_without("a mass or a density")?;
+            return Ok(None);
+        }
+        (Some(_), Some(_)) => {
+            let message = "a density is given too: give one of them";
+            return Err(own.mass.refuse(message));
+        }
+        (Some(density), None) => of(density).map_err(|error| own.density.refuse(error))?,
+        (None, Some(mass)) => {
+            let body = of(1.0).and_then(|body| body.with_mass(mass));
+            body.map_err(|error| own.mass.refuse(error))?
+        }
+    };
+    let Some(moments) = *own.inertia else {
+        return Ok(Some(body));
+    };
+    if moments.max() > 0.5 * moments.sum() {
+        let message =
+            "one moment of inertia is more than the other two together, which no body has";
+        return Err(own.inertia.refuse(message));
+    }
+    let body = body.with_inertia(Matrix3::from_diagonal(&moments));
+    body.map(Some).map_err(|error| own.inertia.refuse(error))
+}
+
+/// A shape whose origin is its middle, and what it weighs.
+fn around_centre(
     section: &Section<'_>,
     own: &keys::Obstacle,
+    shape: impl SignedDistance + 'static,
     surface: TriMesh,
     motion: RigidMotion,
-    gravity: Vec3,
-) -> Result<(TriMesh, RigidMotion, Option<RigidBody>), BenchError> {
-    let Some(density) = *own.density else {
-        return Ok((surface, motion, None));
+    of: impl FnMut(Real) -> Result<RigidBody, ObstacleError>,
+) -> Result<(Obstacle, TriMesh, Option<RigidBody>), BenchError> {
+    let free = body_of(own, of)?;
+    let (surface, motion) = about(section, *own.centre, surface, motion)?;
+    let obstacle = match *own.centre {
+        None => Obstacle::moving(shape, motion),
+        Some(centre) => {
+            let shift = -centre;
+            Obstacle::moving(Shifted { shape, shift }, motion)
+        }
     };
-    let (body, centre) = RigidBody::of_mesh(density, &surface, gravity)
-        .map_err(|error| own.density.refuse(error))?;
+    let obstacle = obstacle.map_err(|error| section.refuse_table(error))?;
+    Ok((obstacle, surface, free))
+}
+
+/// The surface of a body and its motion in a frame whose origin is its centre of mass (m), if it has one.
+fn about(
+    section: &Section<'_>,
+    centre: Option<Vec3>,
+    surface: TriMesh,
+    motion: RigidMotion,
+) -> Result<(TriMesh, RigidMotion), BenchError> {
+    let Some(centre) = centre else {
+        return Ok((surface, motion));
+    };
     let shifted = surface.positions().iter().map(|x| x - centre);
     let shifted = TriMesh::new(shifted.collect(), surface.triangles().to_vec());
     let pose = Pose {
         position: motion.pose.to_world(centre),
         ..motion.pose
     };
-    Ok((
-        drawn(section, shifted)?,
-        RigidMotion { pose, ..motion },
-        Some(body),
-    ))
+    Ok((drawn(section, shifted)?, RigidMotion { pose, ..motion }))
 }
 
 fn motion(own: &keys::Obstacle) -> RigidMotion {

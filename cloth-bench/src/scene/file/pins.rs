@@ -4,11 +4,12 @@ use super::document::Section;
 use super::keys::{self, Selection};
 use crate::error::BenchError;
 use crate::names;
-use crate::scene::{Change, ChangeKind, Motion, pins};
+use crate::scene::{Change, ChangeKind, pins};
+use cloth_core::cloth::{ClothModel, Elements};
+use cloth_core::energy::SoftPin;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use cloth_core::particles::Particles;
-use cloth_core::pin::Pins;
+use cloth_core::pin::{Motion, Pins};
 use cloth_core::topology::EdgeTable;
 
 /// The vertices that a table holds, in the caller's numbers.
@@ -33,7 +34,12 @@ pub(super) fn chosen(
         (None, Some(numbers), None) => {
             let beyond = numbers.iter().find(|&&n| n as usize >= positions.len());
             match beyond {
-                None => Ok(numbers.iter().map(|&n| n as usize).collect()),
+                None => {
+                    let mut chosen: Vec<usize> = numbers.iter().map(|&n| n as usize).collect();
+                    chosen.sort_unstable();
+                    chosen.dedup();
+                    Ok(chosen)
+                }
                 Some(vertex) => {
                     let count = positions.len();
                     let message =
@@ -77,6 +83,8 @@ fn border(own: &Selection, mesh: &TriMesh) -> Result<Vec<usize>, BenchError> {
 pub(super) struct Hold {
     pub(super) vertices: Vec<usize>,
     motion: Option<Motion>,
+    /// Of the spring of each (N/m); infinite if it is held.
+    stiffness: Real,
     from: Real,
     until: Option<Real>,
 }
@@ -104,16 +112,18 @@ pub(super) fn hold(section: &Section<'_>, vertices: Vec<usize>) -> Result<Hold, 
     Ok(Hold {
         vertices,
         motion,
+        stiffness: own.stiffness.number(),
         from,
         until,
     })
 }
 
-/// Refuses vertices that two tables hold at the same time, if one of them does not do so for ever.
+/// Refuses vertices that two tables hold at the same time, unless both do so for ever and without a spring.
 pub(super) fn refuse_overlap(sections: &[Section<'_>], holds: &[Hold]) -> Result<(), BenchError> {
     for (later, (section, hold)) in sections.iter().zip(holds).enumerate() {
         let end = |hold: &Hold| hold.until.unwrap_or(Real::INFINITY);
-        let is_timed = |hold: &Hold| hold.from > 0.0 || hold.until.is_some();
+        let is_timed =
+            |hold: &Hold| hold.from > 0.0 || hold.until.is_some() || hold.stiffness.is_finite();
         for other in &holds[..later] {
             let meet = hold.from < end(other) && other.from < end(hold);
             if !meet || !(is_timed(hold) || is_timed(other)) {
@@ -135,32 +145,51 @@ impl Hold {
         self,
         section: &Section<'_>,
         positions: &[Vec3],
-        particles: &mut Particles,
+        model: &mut ClothModel,
         pins: &mut Pins,
         changes: &mut Vec<Change>,
     ) -> Result<(), BenchError> {
-        if self.from == 0.0 {
-            for &vertex in &self.vertices {
-                let held = match self.motion {
-                    Some(motion) => {
-                        pins.follow(particles, vertex, motion.path(positions[vertex], 0.0))
-                    }
+        let Self {
+            vertices,
+            motion: given,
+            stiffness,
+            from,
+            until,
+        } = self;
+        let motion = given.unwrap_or(Motion::NONE);
+        let is_soft = stiffness.is_finite();
+        if let Some(time) = until {
+            let vertices = vertices.clone();
+            let kind = match is_soft {
+                true => ChangeKind::Untie { vertices },
+                false => ChangeKind::Release { vertices },
+            };
+            changes.push(Change { time, kind });
+        }
+        if from > 0.0 {
+            let kind = match is_soft {
+                true => ChangeKind::Tie {
+                    vertices,
+                    stiffness,
+                    motion,
+                },
+                false => ChangeKind::Hold { vertices, motion },
+            };
+            changes.push(Change { time: from, kind });
+        } else if is_soft {
+            let tie = |&v: &usize| SoftPin::new(v as u32, stiffness, positions[v], motion, 0.0);
+            let ties = vertices.iter().map(tie).collect();
+            model.fasten([Elements::SoftPins(ties)]);
+        } else {
+            for vertex in vertices {
+                let (particles, start) = (&mut model.particles, positions[vertex]);
+                let path = move |time| motion.position(start, 0.0, time);
+                let held = match given {
+                    Some(_) => pins.follow(particles, vertex, path),
                     None => particles.prescribe(vertex),
                 };
                 held.map_err(|error| section.refuse_table(error))?;
             }
-        } else {
-            let kind = ChangeKind::Hold {
-                vertices: self.vertices.clone(),
-                motion: self.motion.unwrap_or(Motion::NONE),
-            };
-            let time = self.from;
-            changes.push(Change { time, kind });
-        }
-        if let Some(time) = self.until {
-            let vertices = self.vertices;
-            let kind = ChangeKind::Release { vertices };
-            changes.push(Change { time, kind });
         }
         Ok(())
     }

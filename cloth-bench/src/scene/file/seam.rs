@@ -1,12 +1,16 @@
 //! `[[seam]]`: two chains of border vertices that are drawn together.
 
+mod chain;
+
 use super::document::Section;
 use super::keys::Seam;
 use super::material::Material;
 use crate::error::BenchError;
 use crate::scene::{Change, ChangeKind, Scene};
 use crate::settings::Setting;
-use cloth_core::energy::Stitch;
+use chain::Chain;
+pub(super) use chain::Ends;
+use cloth_core::energy::{Seam as Stitches, Stitch};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::method::ordering::Order;
@@ -49,8 +53,8 @@ impl<'a> Borders<'a> {
         }))
     }
 
-    /// The pairs of vertices that a table sews together.
-    pub(super) fn pairs(&self, section: &Section<'_>) -> Result<Vec<[u32; 2]>, BenchError> {
+    /// What a table sews together.
+    pub(super) fn ends(&self, section: &Section<'_>) -> Result<Ends, BenchError> {
         let own = section.read::<Seam>()?;
         let meshes = own.meshes.as_deref();
         let &[first, second] = meshes.ok_or_else(|| section.refuse_table("needs meshes"))? else {
@@ -58,35 +62,37 @@ impl<'a> Borders<'a> {
             return Err(own.meshes.refuse(message));
         };
         let first = self.chain(&own, first, [&own.first, &own.first_border])?;
-        let (keys, first_count) = ([&own.second, &own.second_border], first.len());
+        let keys = [&own.second, &own.second_border];
         let second = self.chain(&own, second, keys)?;
         let key = given(keys);
-        if second.len() != first_count {
-            let message = format!(
-                "the first chain has {first_count} vertices and the second {}, but a seam needs as many in both",
-                second.len()
-            );
-            return Err(key.refuse(message));
+        let refuse = |message: String| key.refuse(message);
+        if first.is_closed() != second.is_closed() {
+            return Err(refuse(
+                "one of the chains goes all the way round a border, and the other does not".into(),
+            ));
         }
-        let pairs: Vec<[u32; 2]> = first
-            .into_iter()
-            .zip(second)
-            .map(<[u32; 2]>::from)
-            .collect();
-        let firsts = || pairs.iter().map(|pair| pair[0]);
-        for &[a, b] in &pairs {
-            if firsts().any(|first| first == b) {
-                let message = format!("vertex {} is in both chains", self.own(b));
-                return Err(key.refuse(message));
-            }
-            if self.edges.find(a, b).is_some() {
-                let [a, b] = [a, b].map(|v| self.own(v));
-                let message =
-                    format!("vertices {a} and {b} are the ends of one edge, which would vanish");
-                return Err(key.refuse(message));
-            }
+        if let Some(both) = second.vertices.iter().find(|v| first.vertices.contains(v)) {
+            return Err(refuse(format!(
+                "vertex {} is in both chains",
+                self.own(*both)
+            )));
         }
-        Ok(pairs)
+        let ends = first.sewn_to(&second).map_err(refuse)?;
+        let is_edge = |a: u32, b: u32| self.edges.find(a, b).is_some();
+        if let Some(&[a, b]) = ends.pairs.iter().find(|[a, b]| is_edge(*a, *b)) {
+            let [a, b] = [a, b].map(|v| self.own(v));
+            return Err(refuse(format!(
+                "vertices {a} and {b} are the ends of one edge, which would vanish"
+            )));
+        }
+        let flat = |([v, a, b], _): &&([u32; 3], Real)| is_edge(*v, *a) && is_edge(*v, *b);
+        if let Some((corners, _)) = ends.onto_edges.iter().find(flat) {
+            let [v, a, b] = corners.map(|v| self.own(v));
+            return Err(refuse(format!(
+                "vertex {v} would be on the edge from {a} to {b}, and their triangle would vanish"
+            )));
+        }
+        Ok(ends)
     }
 
     /// The number of a vertex in its own piece.
@@ -97,7 +103,7 @@ impl<'a> Borders<'a> {
     }
 
     /// The vertices of one side, in the numbers of the joined mesh.
-    fn chain(&self, own: &Seam, mesh: u32, keys: [&Numbers; 2]) -> Result<Vec<u32>, BenchError> {
+    fn chain(&self, own: &Seam, mesh: u32, keys: [&Numbers; 2]) -> Result<Chain, BenchError> {
         let Some(piece) = self.pieces.get(mesh as usize) else {
             let message = format!(
                 "there is no mesh {mesh}, only 0 to {}",
@@ -132,33 +138,93 @@ impl<'a> Borders<'a> {
                 let message = format!("vertex {number} of mesh {mesh} is not on its border");
                 return Err(key.refuse(message));
             }
-            if chain.contains(&vertex) {
+            // The last one may be the first again.
+            let goes_round = chain.len() > 1 && chain.len() + 1 == numbers.len();
+            let seen = &chain[usize::from(goes_round)..];
+            if seen.contains(&vertex) {
                 let message = format!("vertex {number} is there twice");
                 return Err(key.refuse(message));
             }
             chain.push(vertex);
         }
         if key.name() == border.name() {
-            let between = self.between(&chain);
-            return between.map_err(|message| key.refuse(message));
+            chain = self
+                .between(&chain)
+                .map_err(|message| key.refuse(message))?;
         }
         if chain.is_empty() {
             return Err(key.refuse("there is no vertex in it"));
         }
-        Ok(chain)
+        Ok(self.measured(chain))
+    }
+
+    /// A chain with what is known of its edges.
+    fn measured(&self, vertices: Vec<u32>) -> Chain {
+        let x = |v: u32| self.mesh.positions()[v as usize];
+        let mut along = vec![0.0];
+        let mut gap = None;
+        for ends in vertices.windows(2) {
+            let [a, b] = [ends[0], ends[1]];
+            along.push(along[along.len() - 1] + (x(a) - x(b)).norm());
+            if self.edges.find(a, b).is_none() {
+                gap = gap.or(Some([a, b].map(|v| self.own(v))));
+            }
+        }
+        Chain {
+            vertices,
+            along,
+            gap,
+        }
     }
 
     /// The vertices along the border between two ends, with them, the shorter way or past a vertex in between.
     fn between(&self, named: &[u32]) -> Result<Vec<u32>, String> {
+        if let [from, past, to] = *named
+            && from == to
+        {
+            return self.round(from, past);
+        }
         let (from, past, to) = match *named {
             [from, to] => (from, None, to),
             [from, past, to] => (from, Some(past), to),
             _ => return Err("it has to be two ends, or two ends and a vertex in between".into()),
         };
         let [a, b] = [from, to].map(|v| self.own(v));
+        let mut ways = self.ways(named, [from, to])?;
+        if let Some(past) = past {
+            let way = ways.into_iter().find(|way| way.contains(&past));
+            return way.ok_or_else(|| "no way along the border passes all three".into());
+        }
+        let [one, other] = [0, 1].map(|way| self.length(&ways[way]));
+        if (one - other).abs() <= APART * (one + other) {
+            return Err(format!(
+                "both ways along the border from vertex {a} to {b} are equally long: name a vertex in between"
+            ));
+        }
+        Ok(std::mem::take(&mut ways[usize::from(other < one)]))
+    }
+
+    /// The vertices all the way round a border, from one back to it, the shorter way to `past` first.
+    fn round(&self, from: u32, past: u32) -> Result<Vec<u32>, String> {
+        let mut way = self.between(&[from, past])?;
+        let [forward, backward] = self.ways(&[from, past], [past, from])?;
+        let before_past = way[way.len() - 2];
+        let back = if forward[1] == before_past {
+            backward
+        } else {
+            forward
+        };
+        way.extend(&back[1..]);
+        Ok(way)
+    }
+
+    /// Both ways along the border on which all `named` vertices are, from one end to the other.
+    fn ways(&self, named: &[u32], [from, to]: [u32; 2]) -> Result<[Vec<u32>; 2], String> {
         let joins = |border: &&Vec<u32>| named.iter().all(|vertex| border.contains(vertex));
-        let border = self.loops.iter().find(joins);
-        let border = border.ok_or_else(|| format!("vertices {a} and {b} are on two borders"))?;
+        let border = self.loops.iter().find(joins).ok_or_else(|| {
+            let [a, b] = [from, to].map(|v| self.own(v));
+            format!("vertices {a} and {b} are on two borders")
+        })?;
         let mut ways = [border.clone(), border.iter().rev().copied().collect()];
         for way in &mut ways {
             let start = way.iter().position(|&v| v == from).unwrap_or(0);
@@ -166,24 +232,13 @@ impl<'a> Borders<'a> {
             let end = way.iter().position(|&v| v == to).unwrap_or(0);
             way.truncate(end + 1);
         }
-        if let Some(past) = past {
-            let way = ways.into_iter().find(|way| way.contains(&past));
-            return way.ok_or_else(|| "no way along the border passes all three".into());
-        }
+        Ok(ways)
+    }
+
+    fn length(&self, way: &[u32]) -> Real {
         let x = |v: u32| self.mesh.positions()[v as usize];
-        let length = |way: &Vec<u32>| -> Real {
-            way.windows(2)
-                .map(|ends| (x(ends[0]) - x(ends[1])).norm())
-                .sum()
-        };
-        let [one, other] = [length(&ways[0]), length(&ways[1])];
-        if (one - other).abs() <= APART * (one + other) {
-            return Err(format!(
-                "both ways along the border from vertex {a} to {b} are equally long: name a vertex in between"
-            ));
-        }
-        let [forward, backward] = ways;
-        Ok(if one < other { forward } else { backward })
+        let edges = way.windows(2);
+        edges.map(|ends| (x(ends[0]) - x(ends[1])).norm()).sum()
     }
 }
 
@@ -196,13 +251,10 @@ fn given([list, border]: [&Numbers; 2]) -> &Numbers {
 }
 
 /// Refuses a pair of vertices that is sewn together twice.
-pub(super) fn refuse_repeated(
-    sections: &[Section<'_>],
-    seams: &[Vec<[u32; 2]>],
-) -> Result<(), BenchError> {
+pub(super) fn refuse_repeated(sections: &[Section<'_>], seams: &[Ends]) -> Result<(), BenchError> {
     let sorted = |&[a, b]: &[u32; 2]| [a.min(b), a.max(b)];
     let mut all: Vec<[u32; 2]> = Vec::new();
-    for (section, pairs) in sections.iter().zip(seams) {
+    for (section, Ends { pairs, .. }) in sections.iter().zip(seams) {
         if pairs.iter().any(|pair| all.contains(&sorted(pair))) {
             let message = "two of its vertices are sewn together by another [[seam]] too";
             return Err(section.refuse_table(message));
@@ -212,17 +264,50 @@ pub(super) fn refuse_repeated(
     Ok(())
 }
 
-/// Sews a scene as a table says, now or later; `pairs` are in the caller's numbers.
+impl Ends {
+    /// Its closed stitches, whose stiffness (N/m) is that of the cloth unless it is given.
+    fn stitches(
+        &self,
+        section: &Section<'_>,
+        material: &Material,
+        stiffness: Option<Real>,
+    ) -> Result<Stitches, BenchError> {
+        let of_cloth = |vertices: &[u32]| {
+            let mut softest = Real::INFINITY;
+            for &vertex in vertices {
+                softest = softest.min(material.stiffness(vertex as usize)?);
+            }
+            if softest > 0.0 {
+                return Ok(softest);
+            }
+            let message = "needs a stiffness, since that of the cloth is 0 or infinite";
+            Err(section.refuse_table(message))
+        };
+        let of = |vertices: &[u32]| stiffness.map_or_else(|| of_cloth(vertices), Ok);
+        let pairs = self.pairs.iter();
+        let onto_edges = self.onto_edges.iter();
+        let onto = |(corners, fraction): &([u32; 3], Real)| {
+            Ok(Stitch::onto_edge(*corners, *fraction, of(corners)?))
+        };
+        Ok(Stitches {
+            pairs: pairs
+                .map(|pair| Ok(Stitch::pair(*pair, of(pair)?)))
+                .collect::<Result<_, BenchError>>()?,
+            onto_edges: onto_edges.map(onto).collect::<Result<_, BenchError>>()?,
+        })
+    }
+}
+
+/// Sews a scene as a table says, now or later; its `ends` are in the caller's numbers.
 pub(super) fn apply(
     section: &Section<'_>,
-    mut pairs: Vec<[u32; 2]>,
+    mut ends: Ends,
     material: &Material,
     order: Option<&Order>,
     scene: &mut Scene,
 ) -> Result<(), BenchError> {
     if let Some(order) = order {
-        let vertices = pairs.iter_mut().flatten();
-        vertices.for_each(|v| *v = order.new_of_old()[*v as usize]);
+        ends.reorder(order);
     }
     let own = section.read::<Seam>()?;
     let (from, until) = (*own.from, *own.until);
@@ -230,46 +315,25 @@ pub(super) fn apply(
         let message = format!("until has to be later than from, which is {from} s");
         return Err(own.until.refuse(message));
     }
-    let mut stiffness = Vec::with_capacity(pairs.len());
-    for pair in &pairs {
-        let of_cloth = || -> Result<Real, BenchError> {
-            let [a, b] = pair.map(|vertex| material.stiffness(vertex as usize));
-            let softer = a?.min(b?);
-            if softer > 0.0 {
-                return Ok(softer);
-            }
-            let message = "needs a stiffness, since that of the cloth is 0 or infinite";
-            Err(section.refuse_table(message))
-        };
-        stiffness.push(own.stiffness.map_or_else(of_cloth, Ok)?);
-    }
+    let seam = ends.stitches(section, material, *own.stiffness)?;
     if from > 0.0 {
         let Some(until) = until else {
             return Err(own.from.refuse("from needs until"));
         };
-        let kind = ChangeKind::Sew {
-            pairs,
-            stiffness,
-            until,
-        };
+        let kind = ChangeKind::Sew { seam, until };
         scene.changes.push(Change { time: from, kind });
         return Ok(());
     }
     let x = &scene.start.positions;
     let size = x.iter().map(|x| x.amax()).fold(0.0, Real::max);
-    let mut stitches = Vec::with_capacity(pairs.len());
-    for (pair, k) in pairs.into_iter().zip(stiffness) {
-        let [a, b] = pair.map(|vertex| x[vertex as usize]);
-        let distance = (a - b).norm();
-        stitches.push(match until {
-            Some(until) => Stitch::closing(pair, k, distance, [from, until]),
-            None if distance <= APART * size => Stitch::closed(pair, k),
-            None => {
-                let message = format!("needs until, since its chains are {distance:.3} m apart");
-                return Err(section.refuse_table(message));
-            }
-        });
-    }
-    scene.model.sew(stitches);
+    let widest = seam.gaps(x).map(|gap| gap.norm()).fold(0.0, Real::max);
+    scene.model.sew(match until {
+        Some(until) => seam.closing(x, [from, until]),
+        None if widest <= APART * size => seam,
+        None => {
+            let message = format!("needs until, since its chains are {widest:.3} m apart");
+            return Err(section.refuse_table(message));
+        }
+    });
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `[[tear]]`: triangles that vanish at a time.
 
 use super::document::Section;
+use super::gas::{self, Inside};
 use super::keys::Tear;
 use super::material::Material;
 use crate::error::BenchError;
@@ -13,6 +14,7 @@ pub(super) fn tears(
     sections: &[Section<'_>],
     material: &Material,
     mesh: &TriMesh,
+    inside: &[Inside],
 ) -> Result<Vec<Change>, BenchError> {
     let mut timed = Vec::new();
     for section in sections {
@@ -52,11 +54,14 @@ pub(super) fn tears(
         let rest = TriMesh::new(mesh.positions().to_vec(), kept);
         let rest = rest.map_err(|error| section.refuse_table(error))?;
         let model = material.cut(mesh, |triangle| is_left[triangle])?;
+        let (gases, volumes) = gas::left(inside, &is_left);
         changes.push(Change {
             time,
             kind: ChangeKind::Tear {
                 mesh: rest,
                 model: Box::new(model),
+                gases,
+                volumes,
             },
         });
     }

@@ -5,13 +5,13 @@ use serde_json::Value;
 use std::path::Path;
 
 /// A GLB file, taken apart.
-pub(super) struct Glb {
-    pub(super) json: Value,
+pub(crate) struct Glb {
+    pub(crate) json: Value,
     bytes: Vec<u8>,
 }
 
 impl Glb {
-    pub(super) fn read(path: &Path) -> Self {
+    pub(crate) fn read(path: &Path) -> Self {
         let file = std::fs::read(path).unwrap();
         let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
         assert_eq!(&file[..4], b"glTF");
@@ -62,38 +62,47 @@ impl Glb {
         words
     }
 
-    pub(super) fn floats(&self, accessor: &Value) -> Vec<f64> {
+    pub(crate) fn floats(&self, accessor: &Value) -> Vec<f64> {
         let words = self.words(accessor).into_iter();
         words.map(|w| f64::from(f32::from_le_bytes(w))).collect()
     }
 
-    pub(super) fn vectors(&self, accessor: &Value) -> Vec<Vec3> {
+    pub(crate) fn vectors(&self, accessor: &Value) -> Vec<Vec3> {
         self.floats(accessor)
             .chunks(3)
             .map(Vec3::from_column_slice)
             .collect()
     }
 
-    /// Sampler of the animation for a path of a node: times and values.
-    pub(super) fn animation(&self, node: usize, path: &str) -> Option<[Vec<f64>; 2]> {
+    /// Sampler of the animation for a path of a node, linear in between: times and values.
+    pub(crate) fn animation(&self, node: usize, path: &str) -> Option<[Vec<f64>; 2]> {
+        self.sampler(node, path, "LINEAR")
+    }
+
+    /// The same of one that jumps.
+    pub(crate) fn stepped(&self, node: usize, path: &str) -> Option<[Vec<f64>; 2]> {
+        self.sampler(node, path, "STEP")
+    }
+
+    fn sampler(&self, node: usize, path: &str, way: &str) -> Option<[Vec<f64>; 2]> {
         let animation = &self.json["animations"][0];
         let channel = animation["channels"].as_array()?.iter().find(|channel| {
             channel["target"]["node"] == node && channel["target"]["path"] == path
         })?;
         let sampler = &animation["samplers"][channel["sampler"].as_u64().unwrap() as usize];
-        assert_eq!(sampler["interpolation"], "LINEAR");
+        assert_eq!(sampler["interpolation"], way);
         Some([
             self.floats(&sampler["input"]),
             self.floats(&sampler["output"]),
         ])
     }
 
-    pub(super) fn mesh_of(&self, node: usize) -> &Value {
+    pub(crate) fn mesh_of(&self, node: usize) -> &Value {
         let mesh = self.json["nodes"][node]["mesh"].as_u64().unwrap();
         &self.json["meshes"][mesh as usize]
     }
 
-    pub(super) fn corners(&self, primitive: &Value) -> Vec<u32> {
+    pub(crate) fn corners(&self, primitive: &Value) -> Vec<u32> {
         self.words(&primitive["indices"])
             .into_iter()
             .map(u32::from_le_bytes)
