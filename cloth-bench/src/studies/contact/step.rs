@@ -246,7 +246,12 @@ fn steps(
 }
 
 pub(super) fn run(study: &mut StudyRun<'_>) {
-    let (mut defaults, mut samples, mut told) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut defaults, mut samples) = (Vec::new(), Vec::new());
+    let columns = WANTED.map(|wanted| format!("to {}", percent(wanted)));
+    let columns = ["vertices"]
+        .into_iter()
+        .chain(columns.iter().map(String::as_str));
+    let mut told = Table::new(&columns.collect::<Vec<_>>());
     for &n in sides(study.scope) {
         let mut problem = LazyCell::new(|| ContactProblem::new(n));
         // What grows until it is torn to pieces keeps the last resort of contact busy for minutes.
@@ -298,7 +303,8 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
                 .plot(&format!("contact-step-{name}-{n}"), &plot);
         }
         let every: Vec<&Row> = by_default.iter().chain(&finer).collect();
-        told.push(format!("{n} × {n}: {}", fastest(&every)));
+        let row = [Cell::said(format!("{n} × {n}"))].into_iter();
+        told.rows.push(row.chain(fastest(&every)).collect());
         defaults.extend(by_default);
         samples.extend(finer);
     }
@@ -312,21 +318,22 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         .data("contact-step-samples", Table::of(&samples));
     study.findings.answer(
         "Which method at which error in contact?",
-        format!(
-            "For the implicit Euler step of a sheet on a sphere, by the distance from its end, as a part of that of the inertial prediction: {}.",
-            told.join("; at ")
-        ),
+        "The fastest to the implicit Euler step of a sheet on a sphere; the error is the distance from its end, over that of the inertial prediction.".into(),
+        Some(told),
+        &format!("figure-contact-step-position-{}", sides(study.scope)[0]),
     );
 }
 
-/// Who is the first at each error, in words.
-fn fastest(found: &[&Row]) -> String {
-    let parts = [0.3, 0.1, 1e-2, 1e-3].map(|wanted| {
+/// Position errors (dimensionless) that are asked for.
+const WANTED: [Real; 4] = [0.3, 0.1, 1e-2, 1e-3];
+
+/// Who is the first at each error, and when.
+fn fastest(found: &[&Row]) -> [Cell; 4] {
+    WANTED.map(|wanted| {
         let there = found.iter().filter(|row| row.position_error <= wanted);
         let first = there.min_by(|a, b| a.ms.total_cmp(&b.ms));
-        first.map_or(format!("nobody gets to {wanted}"), |row| {
-            format!("{} to {wanted} ({} ms)", row.method, significant(row.ms, 3))
+        first.map_or(Cell::said("nobody"), |row| {
+            Cell::said(format!("{}: {} ms", row.method, two(row.ms)))
         })
-    });
-    parts.join(", ")
+    })
 }
