@@ -159,11 +159,24 @@ pub struct Table {
 impl Table {
     /// A table without rows.
     #[must_use]
-    pub fn new(columns: &[&str]) -> Self {
+    pub fn new<S: AsRef<str>>(columns: &[S]) -> Self {
         Self {
-            columns: columns.iter().map(|&name| name.to_owned()).collect(),
+            columns: columns.iter().map(|s| s.as_ref().to_owned()).collect(),
             rows: Vec::new(),
         }
+    }
+
+    /// A table without rows, whose first column names what the others are about.
+    #[must_use]
+    pub fn about(first: &str, others: impl IntoIterator<Item = String>) -> Self {
+        let columns = std::iter::once(first.to_owned()).chain(others);
+        Self::new(&columns.collect::<Vec<_>>())
+    }
+
+    /// Adds a row: what it is about, and the other cells.
+    pub fn line(&mut self, first: impl Into<Cell>, others: impl IntoIterator<Item = Cell>) {
+        let cells = std::iter::once(first.into()).chain(others);
+        self.rows.push(cells.collect());
     }
 
     /// A table of typed rows: a column per field, of the same name with blanks for `_`; where there is more to say, such

@@ -138,9 +138,7 @@ impl TimesRow {
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
     let (mut samples, mut defaults) = (Vec::new(), Vec::new());
-    let columns = WANTED.map(|wanted| format!("to {wanted:e}"));
-    let columns = ["at"].into_iter().chain(columns.iter().map(String::as_str));
-    let mut fastest = Table::new(&columns.collect::<Vec<_>>());
+    let mut fastest = Table::about("at", WANTED.map(|wanted| format!("to {wanted:e}")));
     let mut times = Vec::new();
     let sheets = TestSheet::of_study(&study.cases, sizes(scope))?;
     for sheet in &sheets {
@@ -204,8 +202,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             }
             defaults.push(DefaultRow::new(size, method.name, sample.ok(), remark));
         }
-        let row = [Cell::said(name.as_str())].into_iter();
-        fastest.rows.push(row.chain(fastest_to(&reached)).collect());
+        fastest.line(Cell::said(name.as_str()), fastest_to(&reached));
         times.extend(TimesRow::all(size, &reached));
         samples.extend(rows);
     }
@@ -409,8 +406,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         if let Some((fall, stretch, ms)) = all {
             falls.push(fall);
             let cells = [format!("{fall:.3} m"), percent(stretch), two(ms)].map(Cell::said);
-            let row = [Cell::from(name)].into_iter().chain(cells);
-            pbd_or_xpbd.rows.push(row.collect());
+            pbd_or_xpbd.line(name, cells);
         }
     }
     if let [pbd, xpbd, exact] = falls[..] {

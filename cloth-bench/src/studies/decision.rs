@@ -115,18 +115,16 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 
 /// The numbers as they are.
 fn data(rows: &[Row]) -> Table {
-    let names = COLUMNS.iter().map(|c| format!("{} ({})", c.name, c.unit));
-    let columns = std::iter::once("method".to_owned()).chain(names).collect();
-    let cells = |row: &Row| {
+    let names = COLUMNS.iter().map(|c| match c.name.contains('(') {
+        true => c.name.to_owned(),
+        false => format!("{} ({})", c.name, c.unit),
+    });
+    let mut table = Table::about("method", names);
+    for row in rows {
         let values = COLUMNS.iter().map(|column| Cell::from((column.value)(row)));
-        std::iter::once(Cell::from(row.method))
-            .chain(values)
-            .collect()
-    };
-    Table {
-        columns,
-        rows: rows.iter().map(cells).collect(),
+        table.line(row.method, values);
     }
+    table
 }
 
 /// The numbers as a reader wants them, judged; a method that `foretold` why it fails has a line of its own, with the
@@ -140,8 +138,8 @@ pub fn shown(scope: Scope, rows: &[Row], foretold: &str, memory: Option<Real>) -
             .replace("small", &small)
             .replace("large", &large)
     });
-    let columns = std::iter::once("method".to_owned()).chain(names).collect();
-    let line = |row: &Row| {
+    let mut table = Table::about("method", names);
+    for row in rows {
         let cells = COLUMNS.iter().map(|column| match column.judged(row, rows) {
             Some((value, mark)) => Cell::Marked((column.say)(value), mark),
             None => {
@@ -149,22 +147,15 @@ pub fn shown(scope: Scope, rows: &[Row], foretold: &str, memory: Option<Real>) -
                 Cell::Marked(why.into(), mark)
             }
         });
-        std::iter::once(Cell::from(row.method))
-            .chain(cells)
-            .collect()
-    };
-    let mut lines: Vec<Vec<Cell>> = rows.iter().map(line).collect();
+        table.line(row.method, cells);
+    }
     let hopeless = COLUMNS.iter().map(|column| match (column.name, memory) {
         ("stable up to (N/m)", _) => Cell::Marked(foretold.to_owned(), Mark::Expected),
         ("memory", Some(bytes)) => Cell::said((column.say)(bytes)),
         _ => Cell::Marked("n/a".into(), Mark::Expected),
     });
-    let hopeless = std::iter::once(Cell::from(scale::WITHOUT)).chain(hopeless);
-    lines.push(hopeless.collect());
-    Table {
-        columns,
-        rows: lines,
-    }
+    table.line(scale::WITHOUT, hopeless);
+    table
 }
 
 /// Which methods have nothing against them but their cost, which of these is best at what, and what is against the others.
@@ -175,7 +166,8 @@ pub fn verdict(rows: &[Row]) -> String {
             let mark = column.judged(row, rows).map(|(_, mark)| mark);
             column.rule.is_of_quality() && mark == Some(Mark::Unfit)
         };
-        COLUMNS.iter().filter(unfit).map(|c| c.name).collect()
+        let names = COLUMNS.iter().filter(unfit).map(|c| c.name);
+        names.filter_map(|name| name.split(" (").next()).collect()
     };
     let (fit, unfit): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| against(row).is_empty());
     let best = |purpose: &str, column: &str, sign: Real| {
@@ -185,34 +177,23 @@ pub fn verdict(rows: &[Row]) -> String {
             .filter_map(|row| Some((row.method, (column.value)(row)?)));
         let (method, value) = known.min_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)))?;
         let unit = if column.unit == "ms" { " ms" } else { "" };
-        Some(format!(
-            "{purpose} {method} ({}{unit})",
-            (column.say)(value)
-        ))
+        let said = (column.say)(value);
+        Some(format!("{purpose}: {method} ({said}{unit}).\n"))
     };
     let best = [
-        best(
-            "the cheapest step of a large sheet",
-            "ms a step, large",
-            1.0,
-        ),
-        best("the cheapest in contact", "ms in contact", 1.0),
-        best(
-            "the largest cloth in real time",
-            "real time up to about",
-            -1.0,
-        ),
-        best("the most accurate step", "error of a step", 1.0),
+        best("Cheapest step of a large sheet", "ms a step, large", 1.0),
+        best("Cheapest step in contact", "ms in contact", 1.0),
+        best("Largest in real time", "real time up to about", -1.0),
+        best("Most accurate step", "error of a step", 1.0),
     ];
-    let best: Vec<String> = best.into_iter().flatten().collect();
+    let best: String = best.into_iter().flatten().collect();
     let names: Vec<&str> = fit.iter().map(|row| row.method).collect();
     let unfit = unfit
         .iter()
         .map(|row| format!("{} ({})", row.method, against(row).join(", ")));
     let unfit: Vec<String> = unfit.collect();
     format!(
-        "Take for {}.\nThese are the best of those whose cloth is right: {}.\nNot so, and why: {}.",
-        best.join("; for "),
+        "{best}These are the best of those whose cloth is right: {}.\nNot so, and why: {}.",
         names.join(", "),
         unfit.join("; ")
     )
@@ -332,10 +313,7 @@ fn cuts(study: &mut StudyRun<'_>) {
         },
     );
     let names = CUTS.map(|(substeps, iterations)| format!("{substeps} × {iterations}"));
-    let names = ["method"]
-        .into_iter()
-        .chain(names.iter().map(String::as_str));
-    let (mut rows, mut told) = (Vec::new(), Table::new(&names.collect::<Vec<_>>()));
+    let (mut rows, mut told) = (Vec::new(), Table::about("method", names));
     let mut most_substeps = true;
     for of_method in found.chunk_by(|a, b| a.0.method == b.0.method) {
         let say = |(_, drape): &(Cut, measure::Drape)| match (drape.stretch, drape.ms) {
@@ -344,9 +322,7 @@ fn cuts(study: &mut StudyRun<'_>) {
             }
             _ => Cell::Missing,
         };
-        let cells = [Cell::from(of_method[0].0.method)].into_iter();
-        told.rows
-            .push(cells.chain(of_method.iter().map(say)).collect());
+        told.line(of_method[0].0.method, of_method.iter().map(say));
         let stretches = of_method.iter().map(|(_, drape)| drape.stretch);
         most_substeps &= stretches.is_sorted_by(|a, b| a > b);
     }

@@ -286,13 +286,12 @@ fn verdict(by_size: &[StepRow], by_stiffness: &[StepRow]) -> Option<(String, Tab
     let (coarse, fine) = (by_size.first()?.n, by_size.last()?.n);
     let (soft, stiff) = (by_stiffness.first()?.x, by_stiffness.last()?.x);
     let columns = [
-        "variant".to_owned(),
         format!("{coarse} × {coarse}"),
         format!("{fine} × {fine}"),
         format!("{soft} N/m"),
         format!("{stiff} N/m"),
     ];
-    let mut table = Table::new(&columns.each_ref().map(String::as_str));
+    let mut table = Table::about("variant", columns);
     for (variant, _) in VARIANTS {
         let ends = |rows: &[StepRow]| {
             let ours: Vec<&StepRow> = rows.iter().filter(|row| row.variant == variant).collect();
@@ -304,8 +303,7 @@ fn verdict(by_size: &[StepRow], by_stiffness: &[StepRow]) -> Option<(String, Tab
             })
         };
         let cells = [ends(by_size), ends(by_stiffness)].into_iter().flatten();
-        let row = [Cell::from(variant)].into_iter().chain(cells);
-        table.rows.push(row.collect());
+        table.line(variant, cells);
     }
     let told = format!(
         "Iterations of one step to an error of 1e-4. {}.",

@@ -117,8 +117,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             ],
             None => [Cell::said("none"), Cell::Missing, Cell::Missing],
         };
-        let row = [Cell::from(name)].into_iter().chain(cells);
-        largest.rows.push(row.collect());
+        largest.line(name, cells);
         table.extend(rows);
     }
     let series = curves(&table, |row| {

@@ -212,9 +212,12 @@ fn draw(
         let hopeless = Method::find(row.method.method()).is_ok_and(Method::is_never_stable);
         let label = row.method.label;
         let mut cells = vec![Cell::from(label.as_str()), Cell::from(row.down)];
-        cells.extend(fates.iter().map(|fate| match fate {
-            Fate::Diverged(_) if hopeless => Cell::Marked(fate.word(), Mark::Expected),
-            _ => Cell::from(fate.word()),
+        cells.extend(fates.iter().map(|fate| {
+            let mark = match fate {
+                Fate::Diverged(_) if hopeless => Mark::Expected,
+                _ => Mark::Plain,
+            };
+            Cell::Marked(fate.word(), mark)
         }));
         table.rows.push(cells);
         for fate in &fates {

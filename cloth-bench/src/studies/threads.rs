@@ -68,11 +68,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let no_more = curve.iter().rposition(|(_, gain)| *gain <= 1.1);
         let most = curve.iter().map(|(_, gain)| *gain).fold(0.0, Real::max);
         match curve.get(no_more.map_or(0, |last| last + 1)) {
-            Some((n, _)) => helps.rows.push(vec![
-                Cell::from(name),
-                Cell::said(format!("{n} × {n}")),
-                Cell::said(format!("× {}", two(most))),
-            ]),
+            Some((n, _)) => {
+                let cells = [format!("{n} × {n}"), format!("× {}", two(most))];
+                helps.line(name, cells.map(Cell::said));
+            }
             None => never.push(name),
         }
     }

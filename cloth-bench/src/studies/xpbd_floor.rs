@@ -108,8 +108,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let [first, .., last] = rates else {
         return Ok(());
     };
-    let [long, short] = [first, last].map(|rate| format!("steps of 1/{rate} s"));
-    let mut falls = Table::new(&["stiffness", &long, &short]);
+    let steps = [first, last].map(|rate| format!("steps of 1/{rate} s"));
+    let mut falls = Table::about("stiffness", steps);
     for k in STIFFNESSES {
         let left = [first, last].map(|&rate| {
             let is_it = |(point, _): &&(Point, Floor)| {
@@ -118,8 +118,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             let floor = rows.iter().find(is_it).map(|(_, floor)| floor.objective);
             floor.map_or(Cell::Missing, |floor| Cell::said(significant(floor, 2)))
         });
-        let row = [Cell::said(format!("{} N/m", two(k)))].into_iter();
-        falls.rows.push(row.chain(left).collect());
+        falls.line(Cell::said(format!("{} N/m", two(k))), left);
     }
     let told = "Converged sweeps of XPBD do not end at the implicit Euler step; the table has what is left of the objective, (G − G*)/(G(x̃) − G*).";
     study.findings.answer(

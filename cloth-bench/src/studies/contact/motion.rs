@@ -130,9 +130,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
     );
     let mut ranges = Table::new(&["method", "over all meshes", "over all steps"]);
     for method in methods() {
-        let cells = grid.ranges(method, &falls).map(Cell::said);
-        let row = [Cell::from(method)].into_iter().chain(cells);
-        ranges.rows.push(row.collect());
+        ranges.line(method, grid.ranges(method, &falls).map(Cell::said));
     }
     study.findings.answer(
         "Is it the same drape on every mesh and at every frame rate?",

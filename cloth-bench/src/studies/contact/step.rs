@@ -248,10 +248,7 @@ fn steps(
 pub(super) fn run(study: &mut StudyRun<'_>) {
     let (mut defaults, mut samples) = (Vec::new(), Vec::new());
     let columns = WANTED.map(|wanted| format!("to {}", percent(wanted)));
-    let columns = ["vertices"]
-        .into_iter()
-        .chain(columns.iter().map(String::as_str));
-    let mut told = Table::new(&columns.collect::<Vec<_>>());
+    let mut told = Table::about("vertices", columns);
     for &n in sides(study.scope) {
         let mut problem = LazyCell::new(|| ContactProblem::new(n));
         // What grows until it is torn to pieces keeps the last resort of contact busy for minutes.
@@ -303,8 +300,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
                 .plot(&format!("contact-step-{name}-{n}"), &plot);
         }
         let every: Vec<&Row> = by_default.iter().chain(&finer).collect();
-        let row = [Cell::said(format!("{n} × {n}"))].into_iter();
-        told.rows.push(row.chain(fastest(&every)).collect());
+        told.line(Cell::said(format!("{n} × {n}")), fastest(&every));
         defaults.extend(by_default);
         samples.extend(finer);
     }

@@ -295,14 +295,8 @@ type Fates = Vec<(Fate, Vec<Number>)>;
 
 /// Which method comes through all scenes with which step.
 fn answer(steps: &[Real], found: &[(Pairing, Fates)], study: &mut StudyRun<'_>) {
-    let names: Vec<String> = steps
-        .iter()
-        .map(|dt| format!("1/{:.0} s", 1.0 / dt))
-        .collect();
-    let names = ["method"]
-        .into_iter()
-        .chain(names.iter().map(String::as_str));
-    let mut table = Table::new(&names.collect::<Vec<_>>());
+    let names = steps.iter().map(|dt| format!("1/{:.0} s", 1.0 / dt));
+    let mut table = Table::about("method", names);
     let thirtieth = steps
         .iter()
         .position(|dt| *dt == 1.0 / 30.0)
@@ -316,9 +310,7 @@ fn answer(steps: &[Real], found: &[(Pairing, Fates)], study: &mut StudyRun<'_>) 
         };
         let cells =
             (0..steps.len()).map(|step| Cell::said(format!("{} of {}", ok(step), SCENES.len())));
-        table
-            .rows
-            .push([Cell::from(method)].into_iter().chain(cells).collect());
+        table.line(method, cells);
         match ok(thirtieth) == SCENES.len() {
             true => survives.push(method),
             false => others.push(method),
@@ -328,16 +320,16 @@ fn answer(steps: &[Real], found: &[(Pairing, Fates)], study: &mut StudyRun<'_>) 
         true => String::new(),
         false => format!("; not with {}", others.join(", ")),
     };
-    study.findings.answer(
-        "What survives a step of 1/30 s in contact?",
-        format!(
-            "A drape, a fold, a stack and a garment, each for {SECONDS} s, without a crossing and without energy from nowhere, with {}{others}. {} at no step, as expected. Scenes that go so:",
-            survives.join(", "),
-            capitalised(scale::WITHOUT)
-        ),
-        Some(table),
-        "table-contact-steps",
+    let told = format!(
+        "A drape, a fold, a stack and a garment, each for {SECONDS} s, go without a crossing and without energy from nowhere by steps of 1/30 s with {}{others}. {} at no step, as expected.",
+        survives.join(", "),
+        capitalised(scale::WITHOUT)
     );
+    let question = "What survives a step of 1/30 s in contact?";
+    study.findings.section.verdict = Some(told.clone());
+    study
+        .findings
+        .answer(question, told, Some(table), "table-contact-steps");
 }
 
 /// Gains energy from every jerk, and tears the cloth to pieces that keep the last resort of contact busy for minutes.

@@ -54,12 +54,13 @@ pub(super) fn compare(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         "pd, default",
         "converged",
     ];
-    let (mut rows, mut told) = (Vec::new(), Table::new(&columns));
+    let (mut rows, mut told, mut first) = (Vec::new(), Table::new(&columns), Vec::new());
     for (scene, sides) in SCENES {
-        let first = rows.len();
+        let begin = rows.len();
         compare_on(study, (scene, sides), &mut rows)?;
-        let row = [Cell::from(scene)].into_iter();
-        told.rows.push(row.chain(tell(&rows[first..])).collect());
+        let of_scene = &rows[begin..];
+        told.line(scene, tell(of_scene));
+        first.extend(fastest(of_scene).map(|(end, _)| format!("{} on {scene}", end.method)));
     }
     let caption =
         "Steps in contact that end early, beside converged ones (the first of each scene)";
@@ -68,7 +69,11 @@ pub(super) fn compare(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         .table("decision-shortened", caption, Table::of(&rows));
     study.findings.answer(
         "In contact, projective dynamics or the implicit step cut short?",
-        "Time of a step, and how far the fall is off that of converged steps:".into(),
+        format!(
+            "The first to be right to {}: {}. Time of a step, and how far the fall is off that of converged steps:",
+            percent(RIGHT),
+            first.join(", ")
+        ),
         Some(told),
         "table-decision-shortened",
     );
@@ -116,33 +121,31 @@ fn compare_on(
 /// The end that `pd` has by default.
 const PD_DEFAULT: &str = "velocity_tolerance=1e-1";
 
-/// The fastest that is right on one scene, projective dynamics at its default, and the converged one.
-fn tell(rows: &[(End, Given)]) -> [Cell; 3] {
-    let say = |(end, given): &(End, Given)| {
-        let sign = match given.off {
-            Some(off) if off < 0.0 => "−",
-            _ => "+",
-        };
-        let off = given.off.map_or("not run".into(), |off| percent(off.abs()));
-        let ms = given.ms.map_or_else(String::new, two);
-        (
-            format!("{} with {}", end.method, end.end),
-            format!("{ms} ms, {sign}{off}"),
-        )
-    };
+/// The fastest that is right on one scene.
+fn fastest(rows: &[(End, Given)]) -> Option<&(End, Given)> {
     let is_right = |given: &Given| given.off.is_some_and(|off| off.abs() < RIGHT);
     let right = rows.iter().filter(|(_, given)| is_right(given));
-    let in_time = |a: &&(End, Given), b: &&(End, Given)| {
-        let order = a.1.ms.partial_cmp(&b.1.ms);
-        order.unwrap_or(Ordering::Equal)
+    right.min_by(|a, b| a.1.ms.partial_cmp(&b.1.ms).unwrap_or(Ordering::Equal))
+}
+
+/// The same in words, projective dynamics at its default, and the converged one.
+fn tell(rows: &[(End, Given)]) -> [Cell; 3] {
+    let say = |given: &Given| {
+        let ms = given.ms.map_or_else(String::new, two);
+        match given.off {
+            None => "not run".into(),
+            Some(0.0) => format!("{ms} ms"),
+            Some(off) if off < 0.0 => format!("{ms} ms, −{}", percent(-off)),
+            Some(off) => format!("{ms} ms, +{}", percent(off)),
+        }
     };
-    let fastest = right.min_by(in_time).map(say);
-    let fastest = fastest.map(|(which, what)| Cell::said(format!("{which}: {what}")));
+    let first = fastest(rows)
+        .map(|(end, given)| Cell::said(format!("{} with {}: {}", end.method, end.end, say(given))));
     let default = rows.iter().find(|(end, _)| end.end == PD_DEFAULT);
     let short =
-        |row: Option<&(End, Given)>| row.map_or(Cell::Missing, |row| Cell::said(say(row).1));
+        |row: Option<&(End, Given)>| row.map_or(Cell::Missing, |(_, given)| Cell::said(say(given)));
     [
-        fastest.unwrap_or_default(),
+        first.unwrap_or_default(),
         short(default),
         short(rows.first()),
     ]

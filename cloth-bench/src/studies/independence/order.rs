@@ -116,8 +116,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let mut table = Table::new(&["method", "off by"]);
     for curve in lost {
         let off = format!("{} mm", two(1e3 * most(curve)));
-        let row = vec![Cell::from(curve.label.as_str()), Cell::said(off)];
-        table.rows.push(row);
+        table.line(curve.label.as_str(), [Cell::said(off)]);
     }
     let verdict = format!(
         "A symmetric sheet stays symmetric to a millionth of its side with {}.",

@@ -169,9 +169,8 @@ pub(super) fn swings(
                 rows.push((label, method, push(label, &swing)));
             }
         }
-        let cells = verdict(&rows).map(Cell::said);
-        let row = [Cell::said(format!("{n} × {n}"))].into_iter().chain(cells);
-        judged.rows.push(row.collect());
+        let sheet = Cell::said(format!("{n} × {n}"));
+        judged.line(sheet, verdict(&rows).map(Cell::said));
     }
     findings.table(
         "projective-swing",
