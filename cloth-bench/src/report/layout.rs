@@ -90,7 +90,8 @@ impl<'a> Layout<'a> {
             .collect();
         let right = WIDTH - 24;
         let x_ticks = ticks(plot.x.scale, x_range, 5);
-        let title = wrap(&plot.title, 16, WIDTH - 40);
+        // Bold letters are wider.
+        let title = wrap(&plot.title, 16, WIDTH - 80);
         let pixels = [
             f64::from(right - left) / (x_range.1 - x_range.0),
             f64::from(PLOT_HEIGHT) / (y_range.1 - y_range.0),

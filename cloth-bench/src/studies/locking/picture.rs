@@ -179,7 +179,7 @@ fn compose(
     let mut text = |y: Real, look: &str, words: &str| {
         let _ = write!(body, "<text x=\"20\" y=\"{y}\" {look}>{words}</text>");
     };
-    for line in wrap(headline, 16, WIDTH - 40) {
+    for line in wrap(headline, 16, WIDTH - 80) {
         text(top, "font-size=\"16\" font-weight=\"bold\"", &line);
         top += 22.0;
     }
