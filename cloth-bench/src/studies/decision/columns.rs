@@ -162,7 +162,7 @@ impl Column {
         let rests = !reasons.any(|reason| reason.contains("not at rest"));
         match self.name {
             "error of a step" if !aims => ("another step", Mark::Expected),
-            "locks?" if !rests => ("never rests", Mark::Expected),
+            "locks?" if !rests => ("not at rest", Mark::Expected),
             "ms a step, large" | "real time up to about" if row.cost.is_some() => {
                 ("too long", Mark::Unfit)
             }
