@@ -38,7 +38,7 @@ mod study_run;
 mod threads;
 pub mod variants;
 mod work_precision;
-mod xpbd_floor;
+pub mod xpbd_floor;
 
 pub use cases::{Cases, Progress, Share};
 pub use locking::count::Locking;
@@ -48,7 +48,7 @@ use study_run::StudyRun;
 use crate::error::BenchError;
 use crate::journal::Journal;
 use crate::names;
-use crate::report::html::Section;
+use crate::report::html::{Answer, Section};
 use crate::report::plot::Plot;
 use crate::report::table::Table;
 use serde::{Deserialize, Serialize};
@@ -83,6 +83,22 @@ pub fn is_expected(error: &str) -> bool {
     error.contains("no step is stable for this method")
 }
 
+/// What a failure is called: those that theory foretells are no alarm.
+fn failed(error: &str) -> &'static str {
+    match is_expected(error) {
+        true => "failed, as expected",
+        false => "failed",
+    }
+}
+
+/// A failure in a row of a table; nothing for what did not fail.
+fn remark<T>(outcome: &Result<T, BenchError>) -> String {
+    let error = outcome.as_ref().err().map(BenchError::to_string);
+    error.map_or(String::new(), |error| {
+        format!("{}: {error}", failed(&error))
+    })
+}
+
 /// How much of a study to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {
@@ -109,11 +125,8 @@ pub struct Findings {
     pub section: Section,
     /// Tables for `data/NAME.csv`.
     pub data: Vec<(String, Table)>,
-    /// Drawings for `plots/NAME.svg`; they are in the section as well.
-    pub plots: Vec<(String, String)>,
-    /// Plain answers, with their figures, to questions that people come with: they open the report.
-    #[serde(default)]
-    pub answers: Vec<(String, String)>,
+    /// Plain answers to questions that people come with: they open the report.
+    pub answers: Vec<Answer>,
 }
 
 impl Findings {
@@ -126,15 +139,13 @@ impl Findings {
         self.section.tables.extend(section.tables);
         self.section.notes.extend(section.notes);
         self.data.extend(part.data);
-        self.plots.extend(part.plots);
         self.answers.extend(part.answers);
     }
 
     /// Draws a plot and keeps it under a name.
     pub(crate) fn plot(&mut self, name: &str, plot: &Plot) {
         let svg = plot.draw().svg;
-        self.section.plots.push(svg.clone());
-        self.plots.push((name.to_owned(), svg));
+        self.section.plots.push((name.to_owned(), svg));
     }
 
     /// What a method gave, or `None` and a note that says why it failed: a failure is a finding.
@@ -144,20 +155,29 @@ impl Findings {
         outcome: Result<T, BenchError>,
     ) -> Option<T> {
         let note = |error: BenchError| {
-            let failed = match is_expected(&error.to_string()) {
-                true => "Failed, as expected",
-                false => "Failed",
-            };
-            self.section
-                .notes
-                .push(format!("{failed}: {case}: {error}."));
+            let failed = capitalised(failed(&error.to_string()));
+            let notes = &mut self.section.notes;
+            notes.push(format!("{failed}: {case}: {error}."));
         };
         outcome.map_err(note).ok()
     }
 
-    /// Answers a question that people come with.
-    pub(crate) fn answer(&mut self, question: &str, answer: String) {
-        self.answers.push((question.to_owned(), answer));
+    /// Answers a question that people come with in a sentence, with a table if there are many numbers, and names the
+    /// plot (`figure-NAME`) or table (`table-NAME`) of the section that it rests on.
+    pub(crate) fn answer(
+        &mut self,
+        question: &str,
+        answer: String,
+        table: Option<Table>,
+        figure: &str,
+    ) {
+        self.answers.push(Answer {
+            question: question.to_owned(),
+            answer,
+            table,
+            figure: figure.to_owned(),
+            section: String::new(),
+        });
     }
 
     /// Keeps a table as data only.
@@ -167,9 +187,8 @@ impl Findings {
 
     /// Keeps a table as data and shows it with a caption.
     pub(crate) fn table(&mut self, name: &str, caption: &str, table: Table) {
-        self.section
-            .tables
-            .push((caption.to_owned(), table.clone()));
+        let shown = (name.to_owned(), caption.to_owned(), table.clone());
+        self.section.tables.push(shown);
         self.data(name, table);
     }
 }
@@ -274,6 +293,15 @@ impl Study {
             own.map_or(String::new(), |path| format!(" --scene {}", path.display()))
         );
         section.notes.push(self.about.to_owned());
+        for answer in &mut findings.answers {
+            self.name.clone_into(&mut answer.section);
+            if missing.is_empty() && !section.shows(&answer.figure) {
+                return Err(BenchError::Failed(format!(
+                    "the answer to \"{}\" rests on `{}`, which its section does not show",
+                    answer.question, answer.figure
+                )));
+            }
+        }
         Ok((findings, missing))
     }
 }

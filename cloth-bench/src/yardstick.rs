@@ -144,6 +144,23 @@ impl StepProblem {
         }
     }
 
+    /// `‖M(x − x̃) − ∇Cᵀλ‖/‖Δt² ∇G(x̃)‖` in the norm of M⁻¹ (dimensionless): what XPBD's multipliers λ (kg m), one a
+    /// spring, leave of the balance of momentum at `positions` (m). Where C + α̃λ = 0 it is the error of the gradient.
+    #[must_use]
+    pub fn momentum_residual(&self, positions: &[Vec3], multipliers: &[Real]) -> Real {
+        let mass = self.model.particles.mass().iter();
+        let moved = positions.iter().zip(&self.predicted).zip(mass);
+        let mut residual: Vec<Vec3> = moved.map(|((x, free), m)| (x - free) * *m).collect();
+        for (spring, multiplier) in self.model.springs.iter().zip(multipliers) {
+            let [a, b] = spring.vertices.map(|v| v as usize);
+            let along = (positions[b] - positions[a]).normalize() * *multiplier;
+            residual[a] += along;
+            residual[b] -= along;
+        }
+        let norm = self.potential().gradient_norm(&residual);
+        norm / (self.dt * self.dt * self.start_gradient)
+    }
+
     /// The state that the step starts from.
     #[must_use]
     pub fn state(&self) -> &State {

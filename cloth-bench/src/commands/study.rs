@@ -4,8 +4,9 @@ use super::{print, write_file};
 use crate::error::BenchError;
 use crate::hash::fnv1a;
 use crate::journal::{self, Journal, RunHeader, Shard};
-use crate::report::html::{Answer, Report};
+use crate::report::html::Report;
 use crate::report::png::Rasterizer;
+use crate::report::table::Table;
 use crate::report::{arrow, facts};
 use crate::studies::{Findings, Progress, STUDIES, Scope, Share, Study, is_expected};
 use clap::Args;
@@ -229,12 +230,15 @@ fn print_verdicts(
     expected: usize,
     failures: usize,
 ) -> Result<(), BenchError> {
-    for (question, answer) in done.iter().flat_map(|(_, findings)| &findings.answers) {
-        print(&format!("{question}\n  {answer}"))?;
+    for told in done.iter().flat_map(|(_, findings)| &findings.answers) {
+        let table = told.table.as_ref().map_or(String::new(), Table::to_text);
+        let lines = std::iter::once(told.answer.as_str()).chain(table.lines());
+        let lines: String = lines.map(|line| format!("\n  {line}")).collect();
+        print(&format!("{}{lines}", told.question))?;
     }
     for (study, Findings { section, .. }) in done {
         if output.tables {
-            for (caption, table) in &section.tables {
+            for (_, caption, table) in &section.tables {
                 print(&format!("{caption}\n{}", table.to_text()))?;
             }
         }
@@ -292,22 +296,17 @@ fn write_report(
         answers: Vec::new(),
         sections: Vec::new(),
     };
-    for (study, findings) in done {
+    for (_, findings) in done {
         for (name, table) in &findings.data {
             keep(format!("data/{name}.csv"), table.to_csv().as_bytes())?;
         }
-        for (name, svg) in &findings.plots {
+        for (name, svg) in &findings.section.plots {
             keep(format!("plots/{name}.svg"), svg.as_bytes())?;
             if let Some(rasterizer) = &rasterizer {
                 keep(format!("plots/{name}.png"), &rasterizer.png(svg)?)?;
             }
         }
-        let answer = |(question, answer): &(String, String)| Answer {
-            question: question.clone(),
-            answer: answer.clone(),
-            section: study.name.to_owned(),
-        };
-        report.answers.extend(findings.answers.iter().map(answer));
+        report.answers.extend(findings.answers.iter().cloned());
         report.sections.push(findings.section.clone());
     }
     let tables = done.iter().flat_map(|(study, findings)| {

@@ -11,8 +11,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::html::escape;
 use super::palette::{Look, Marker, Rgb};
 
-/// Width of every figure (px).
-pub const WIDTH: i32 = 900;
+/// Width of every figure (px): two stand beside each other on a page, and a telephone shows one without shrinking its
+/// letters to nothing.
+pub const WIDTH: i32 = 480;
 /// Distance of two lines of a legend (px).
 pub(super) const LINE: i32 = 18;
 /// Canvas units in a pixel.

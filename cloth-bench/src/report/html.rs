@@ -33,16 +33,16 @@ pub struct Section {
     pub verdict: Option<String>,
     /// The command that makes this section again.
     pub command: String,
-    /// Figures: `<svg>` elements from [`Plot::draw`](super::plot::Plot::draw). They go into the
+    /// Figures with their names: `<svg>` elements from [`Plot::draw`](super::plot::Plot::draw). They go into the
     /// page as they are.
-    pub plots: Vec<String>,
+    pub plots: Vec<(String, String)>,
     /// Pictures.
     pub pictures: Vec<Picture>,
     /// Runs to play back.
     #[serde(default)]
     pub playbacks: Vec<Playback>,
-    /// Tables with their captions.
-    pub tables: Vec<(String, Table)>,
+    /// Tables with their names and captions.
+    pub tables: Vec<(String, String, Table)>,
     /// Surprises, limits, anything a reader should know; one paragraph each.
     pub notes: Vec<String>,
 }
@@ -61,13 +61,17 @@ pub struct Report {
 }
 
 /// A plain answer.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Answer {
     /// The question.
     pub question: String,
-    /// The answer, with its figures.
+    /// The answer in a sentence or two.
     pub answer: String,
-    /// The id of the section that it rests on.
+    /// Its numbers, where they are many.
+    pub table: Option<Table>,
+    /// The plot or table that it rests on: `figure-` or `table-`, and the name.
+    pub figure: String,
+    /// The id of the section that this is in.
     pub section: String,
 }
 
@@ -134,11 +138,13 @@ impl Report {
             return String::new();
         }
         let rows = self.answers.iter().map(|answer| {
+            let (kind, _) = answer.figure.split_once('-').unwrap_or_default();
+            let table = answer.table.as_ref().map_or(String::new(), scrolled);
             format!(
-                "<dt>{}</dt><dd>{} <a href=\"#{}\">{}</a></dd>\n",
+                "<dt>{}</dt><dd>{} <a href=\"#{}\">{kind} in {}</a>{table}</dd>\n",
                 escape(&answer.question),
                 escape(&answer.answer),
-                anchor(&answer.section),
+                anchor(&answer.figure),
                 escape(&answer.section)
             )
         });
@@ -148,6 +154,14 @@ impl Report {
 }
 
 impl Section {
+    /// Whether it shows the plot `figure-…` or the table `table-…`.
+    pub(crate) fn shows(&self, figure: &str) -> bool {
+        let plots = self.plots.iter().map(|(name, _)| ("figure-", name));
+        let tables = self.tables.iter().map(|(name, ..)| ("table-", name));
+        let mut all = plots.chain(tables);
+        all.any(|(kind, name)| figure.strip_prefix(kind) == Some(name))
+    }
+
     fn to_html(&self) -> String {
         let mut html = format!(
             "<section id=\"{}\"{}>\n<h2>{}</h2>\n",
@@ -164,8 +178,13 @@ impl Section {
         if self.leads {
             html += &self.tables_to_html(1, 0);
         }
-        for plot in &self.plots {
-            html += &format!("<figure class=\"plot\">\n{plot}</figure>\n");
+        if !self.plots.is_empty() {
+            html += "<div class=\"plots\">\n";
+            for (name, plot) in &self.plots {
+                let id = anchor(&format!("figure-{name}"));
+                html += &format!("<figure class=\"plot\" id=\"{id}\">\n{plot}</figure>\n");
+            }
+            html += "</div>\n";
         }
         if !self.pictures.is_empty() {
             html += "<div class=\"pictures\">\n";
@@ -205,20 +224,26 @@ impl Section {
     /// So many of its tables, without the first ones. Long ones are folded away, and all but the first of a section that leads.
     fn tables_to_html(&self, most: usize, without: usize) -> String {
         let mut html = String::new();
-        for (caption, table) in self.tables.iter().skip(without).take(most) {
-            let (caption, body) = (escape(caption), table.to_html());
+        for (name, caption, table) in self.tables.iter().skip(without).take(most) {
+            let (caption, body) = (escape(caption), scrolled(table));
+            let id = anchor(&format!("table-{name}"));
             html += &if table.rows.len() > LONG_TABLE || without > 0 {
                 let rows = table.rows.len();
+                // A link into what is folded away opens it.
                 format!(
-                    "<details><summary>{caption} ({rows} rows)</summary>\
-                     <div class=\"scroll\">{body}</div></details>\n"
+                    "<details><summary>{caption} ({rows} rows)</summary><div id=\"{id}\">{body}</div></details>\n"
                 )
             } else {
-                format!("<p class=\"caption\">{caption}</p><div class=\"scroll\">{body}</div>\n")
+                format!("<div id=\"{id}\"><p class=\"caption\">{caption}</p>{body}</div>\n")
             };
         }
         html
     }
+}
+
+/// A table that scrolls where the page is too narrow for it.
+fn scrolled(table: &Table) -> String {
+    format!("<div class=\"scroll\">{}</div>", table.to_html())
 }
 
 /// `text` with everything replaced that HTML or XML would read as markup, in content and in

@@ -1,4 +1,4 @@
-//! Where everything in a plot stands: title, axes, data, legend beside the data, note below.
+//! Where everything in a plot stands: title, axes, data, legend in two columns below the data, note below that.
 
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -9,9 +9,14 @@ use super::plot::{Plot, Series, Style};
 use super::scale::{Ticks, ticks};
 
 /// Height of the data area (px).
-const PLOT_HEIGHT: i32 = 340;
+const PLOT_HEIGHT: i32 = 300;
 /// Length of the line sample in the legend (px).
-const SAMPLE: i32 = 34;
+const SAMPLE: i32 = 30;
+/// Distance of the two columns of the legend (px).
+const COLUMN: i32 = (WIDTH - 40) / 2;
+
+/// Distance of two lines of a title (px).
+const TITLE_LINE: i32 = 22;
 
 /// A curve reduced to what can be shown.
 pub(super) struct Curve<'a> {
@@ -50,6 +55,8 @@ impl<'a> Curve<'a> {
 pub(super) struct Layout<'a> {
     plot: &'a Plot,
     title: Vec<String>,
+    x_label: Vec<String>,
+    y_label: Vec<String>,
     note: Vec<String>,
     legend: Vec<Vec<String>>,
     /// For each curve, the later ones that lie on it.
@@ -62,6 +69,8 @@ pub(super) struct Layout<'a> {
     right: i32,
     top: i32,
     bottom: i32,
+    /// Where the legend begins.
+    below: i32,
     height: i32,
 }
 
@@ -77,17 +86,12 @@ impl<'a> Layout<'a> {
         let left = 26 + widest(&mut y_ticks.labelled.iter().map(|(_, text)| text), 13).max(24);
         let legend: Vec<_> = curves
             .iter()
-            .map(|c| wrap(&c.series.label, 13, 190))
+            .map(|c| wrap(&c.series.label, 13, COLUMN - SAMPLE - 20))
             .collect();
-        let column = widest(&mut legend.iter().flatten(), 13);
-        let right = WIDTH
-            - if legend.is_empty() {
-                24
-            } else {
-                24 + SAMPLE + 10 + column + 14
-            };
-        let x_ticks = ticks(plot.x.scale, x_range, 8);
-        let title = wrap(&plot.title, 18, WIDTH - 110);
+        let right = WIDTH - 24;
+        let x_ticks = ticks(plot.x.scale, x_range, 5);
+        // Bold letters are wider.
+        let title = wrap(&plot.title, 16, WIDTH - 80);
         let pixels = [
             f64::from(right - left) / (x_range.1 - x_range.0),
             f64::from(PLOT_HEIGHT) / (y_range.1 - y_range.0),
@@ -99,21 +103,22 @@ impl<'a> Layout<'a> {
             .lines()
             .flat_map(|l| wrap(l, 12, WIDTH - 40))
             .collect();
-        let top = 20 + 24 * title.len() as i32 + 30;
-        let legend_height = legend
-            .iter()
-            .map(|l| l.len() as i32 * LINE + 5)
-            .sum::<i32>();
-        let bottom = top + PLOT_HEIGHT.max(legend_height);
+        let [x_label, y_label] = [&plot.x, &plot.y].map(|axis| wrap(&axis.label, 13, WIDTH - 40));
+        let top = 32 + TITLE_LINE * title.len() as i32 + LINE * y_label.len() as i32;
+        let bottom = top + PLOT_HEIGHT;
+        let legend_height: i32 = legend.chunks(2).map(row_height).sum();
         let note_height = if note.is_empty() {
             0
         } else {
             10 + note.len() as i32 * 17
         };
-        let height = bottom + 62 + note_height;
+        let below = bottom + 44 + LINE * x_label.len() as i32;
+        let height = below + legend_height + note_height;
         Self {
             plot,
             title,
+            x_label,
+            y_label,
             note,
             legend,
             covers,
@@ -125,6 +130,7 @@ impl<'a> Layout<'a> {
             right,
             top,
             bottom,
+            below,
             height,
         }
     }
@@ -182,19 +188,21 @@ impl<'a> Layout<'a> {
     fn frame(&self, canvas: &Canvas<'_>) -> Drawn {
         canvas.rectangle((0, 0), (WIDTH, self.height), [255; 3])?;
         for (i, line) in self.title.iter().enumerate() {
-            canvas.bold(line, (20, 26 + 24 * i as i32), 18, INK)?;
+            canvas.bold(line, (20, 26 + TITLE_LINE * i as i32), 16, INK)?;
         }
-        canvas.text(
-            &self.plot.y.label,
-            (20, self.top - 19),
-            13,
-            INK,
-            Anchor::Left,
-        )?;
-        let below = ((self.left + self.right) / 2, self.bottom + 43);
-        canvas.text(&self.plot.x.label, below, 13, INK, Anchor::Middle)?;
+        for (i, line) in self.y_label.iter().rev().enumerate() {
+            let y = self.top - 19 - LINE * i as i32;
+            canvas.text(line, (20, y), 13, INK, Anchor::Left)?;
+        }
+        for (i, line) in self.x_label.iter().enumerate() {
+            // In the middle of the data, unless it is too long for that.
+            let half = text_width(line, 13) / 2;
+            let middle = ((self.left + self.right) / 2).min(WIDTH - 10 - half);
+            let at = (middle, self.bottom + 43 + LINE * i as i32);
+            canvas.text(line, at, 13, INK, Anchor::Middle)?;
+        }
         for (i, line) in self.note.iter().enumerate() {
-            let y = self.bottom + 72 + 17 * i as i32;
+            let y = self.height - 17 * (self.note.len() - i) as i32;
             canvas.text(line, (20, y), 12, SOFT_INK, Anchor::Left)?;
         }
         Ok(())
@@ -243,27 +251,35 @@ impl<'a> Layout<'a> {
     }
 
     fn legend(&self, canvas: &Canvas<'_>, curves: &[Curve<'_>]) -> Drawn {
-        let left = self.right + 24;
-        let mut y = self.top + 8;
-        for (curve, lines) in curves.iter().zip(&self.legend) {
-            let end = |x: i32| (Canvas::units(x), Canvas::units(y));
-            draw_line(canvas, curve, &[end(left), end(left + SAMPLE)])?;
-            if matches!(curve.series.style, Style::Points | Style::LinePoints) {
-                canvas.marker(end(left + SAMPLE / 2), curve.look, 1.0)?;
+        let mut y = self.below + 8;
+        for (curves, texts) in curves.chunks(2).zip(self.legend.chunks(2)) {
+            for (column, (curve, lines)) in curves.iter().zip(texts).enumerate() {
+                let left = 20 + COLUMN * column as i32;
+                let end = |x: i32| (Canvas::units(x), Canvas::units(y));
+                draw_line(canvas, curve, &[end(left), end(left + SAMPLE)])?;
+                if matches!(curve.series.style, Style::Points | Style::LinePoints) {
+                    canvas.marker(end(left + SAMPLE / 2), curve.look, 1.0)?;
+                }
+                let ink = if curve.runs.is_empty() {
+                    mix(INK, [255; 3], 0.5)
+                } else {
+                    INK
+                };
+                for (i, line) in lines.iter().enumerate() {
+                    let at = (left + SAMPLE + 8, y + LINE * i as i32);
+                    canvas.text(line, at, 13, ink, Anchor::Left)?;
+                }
             }
-            let ink = if curve.runs.is_empty() {
-                mix(INK, [255; 3], 0.5)
-            } else {
-                INK
-            };
-            for line in lines {
-                canvas.text(line, (left + SAMPLE + 10, y), 13, ink, Anchor::Left)?;
-                y += LINE;
-            }
-            y += 5;
+            y += row_height(texts);
         }
         Ok(())
     }
+}
+
+/// Height of a row of the legend (px), with the lines of its labels.
+fn row_height(labels: &[Vec<String>]) -> i32 {
+    let lines = labels.iter().map(Vec::len).max().unwrap_or(0);
+    lines as i32 * LINE + 4
 }
 
 /// For each measured curve, the later measured curves that hide all of it: that have a point

@@ -209,7 +209,7 @@ class Player {
       const box = [tile.left - stage.left, stage.bottom - tile.bottom, tile.width, tile.height].map(x => Math.round(x * ratio));
       gl.viewport(...box);
       gl.scissor(...box);
-      gl.clearColor(1, 1, 1, 1);
+      gl.clearColor(0, 0, 0, 0);
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       const camera = view(eye, this.target, tile.width / tile.height, 0.02 * this.distance, this.distance + 20 * this.radius);
       gl.uniformMatrix4fv(this.uniforms.camera, false, camera);

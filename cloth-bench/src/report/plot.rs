@@ -1,7 +1,7 @@
 //! Plots: curves over linear or logarithmic axes, as SVG.
 //!
 //! plotters maps data to the canvas and writes the shapes; the layout around them is ours. The
-//! legend stands beside the data, never on it. What an axis cannot show (a zero on a logarithmic
+//! legend stands below the data, never on it. What an axis cannot show (a zero on a logarithmic
 //! axis, a `NaN` anywhere) is left out, counted, and said below the plot. Curves that lie on one
 //! another are named there too, and their markers grow downwards so that each can be seen.
 

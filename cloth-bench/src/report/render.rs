@@ -72,9 +72,9 @@ pub enum Projection {
 /// Camera, light and picture size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Width of one tile (px).
+    /// Width (px).
     pub width: usize,
-    /// Height of one tile (px).
+    /// Height (px).
     pub height: usize,
     /// Where the camera looks (any length).
     pub direction: Vec3,
@@ -113,12 +113,10 @@ impl Default for View {
 /// Why there is no picture.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RenderError {
-    /// There is no triangle, or no tile.
+    /// There is no triangle.
     Empty,
     /// A position is NaN or infinite.
     NotFinite {
-        /// Number of the tile.
-        tile: usize,
         /// Number of the vertex within its surface.
         vertex: usize,
     },
@@ -141,11 +139,8 @@ impl fmt::Display for RenderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty => write!(f, "there is no triangle to draw"),
-            Self::NotFinite { tile, vertex } => {
-                write!(
-                    f,
-                    "the position of vertex {vertex} in tile {tile} is not finite"
-                )
+            Self::NotFinite { vertex } => {
+                write!(f, "the position of vertex {vertex} is not finite")
             }
             Self::NoSuchVertex {
                 triangle,
@@ -169,29 +164,18 @@ impl std::error::Error for RenderError {}
 /// [`RenderError`] if there is nothing to draw, a position is not finite, a triangle names a
 /// missing vertex, or the view is degenerate.
 pub fn render(surfaces: &[Surface<'_>], view: &View) -> Result<Vec<u8>, RenderError> {
-    render_row(&[surfaces], view)
-}
-
-/// A PNG file with one tile per group of surfaces, from left to right, all seen by the same camera
-/// at the same scale, so that they can be compared.
-///
-/// # Errors
-/// As [`render`].
-pub fn render_row(tiles: &[&[Surface<'_>]], view: &View) -> Result<Vec<u8>, RenderError> {
-    check(tiles, view)?;
-    let camera = Camera::framing(tiles, view)?;
-    let (width, height) = (view.width * tiles.len(), view.height);
+    check(surfaces, view)?;
+    let camera = Camera::framing(surfaces, view)?;
+    let (width, height) = (view.width, view.height);
     let mut pixels = vec![0; width * height * 4];
-    for (column, surfaces) in tiles.iter().enumerate() {
-        let mut raster = Raster::new(view);
-        for surface in *surfaces {
-            raster.draw(surface, &camera, view);
-        }
-        raster.resolve(view.background, |x, y, colour| {
-            let at = 4 * (y * width + column * view.width + x);
-            pixels[at..at + 4].copy_from_slice(&colour);
-        });
+    let mut raster = Raster::new(view);
+    for surface in surfaces {
+        raster.draw(surface, &camera, view);
     }
+    raster.resolve(view.background, |x, y, colour| {
+        let at = 4 * (y * width + x);
+        pixels[at..at + 4].copy_from_slice(&colour);
+    });
     encode(&pixels, width, height)
 }
 
@@ -208,33 +192,27 @@ fn encode(pixels: &[u8], width: usize, height: usize) -> Result<Vec<u8>, RenderE
     Ok(file)
 }
 
-fn check(tiles: &[&[Surface<'_>]], view: &View) -> Result<(), RenderError> {
+fn check(surfaces: &[Surface<'_>], view: &View) -> Result<(), RenderError> {
     if !(1..=16_384).contains(&view.width) || !(1..=16_384).contains(&view.height) {
         return Err(RenderError::View(
             "a side has less than 1 or more than 16384 pixels",
         ));
     }
-    if tiles
-        .iter()
-        .flat_map(|tile| tile.iter())
-        .all(|surface| surface.triangles.is_empty())
-    {
+    if surfaces.iter().all(|surface| surface.triangles.is_empty()) {
         return Err(RenderError::Empty);
     }
-    for (tile, surfaces) in tiles.iter().enumerate() {
-        for surface in *surfaces {
-            if let Some(vertex) = surface.positions.iter().position(|x| !is_finite(x)) {
-                return Err(RenderError::NotFinite { tile, vertex });
-            }
-            let vertex_count = surface.positions.len();
-            for (triangle, vertices) in surface.triangles.iter().enumerate() {
-                if let Some(&vertex) = vertices.iter().find(|&&v| v as usize >= vertex_count) {
-                    return Err(RenderError::NoSuchVertex {
-                        triangle,
-                        vertex,
-                        vertex_count,
-                    });
-                }
+    for surface in surfaces {
+        if let Some(vertex) = surface.positions.iter().position(|x| !is_finite(x)) {
+            return Err(RenderError::NotFinite { vertex });
+        }
+        let vertex_count = surface.positions.len();
+        for (triangle, vertices) in surface.triangles.iter().enumerate() {
+            if let Some(&vertex) = vertices.iter().find(|&&v| v as usize >= vertex_count) {
+                return Err(RenderError::NoSuchVertex {
+                    triangle,
+                    vertex,
+                    vertex_count,
+                });
             }
         }
     }

@@ -95,6 +95,12 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 }
 
 impl Cell {
+    /// A value as a reader wants it, rounded and with its unit.
+    #[must_use]
+    pub fn said(text: impl Into<String>) -> Self {
+        Self::Marked(text.into(), Mark::Plain)
+    }
+
     /// As one CSV field, quoted where RFC 4180 asks for it.
     ///
     /// Numbers are the shortest text that reads back to the same `f64`; `NaN`, `inf` and `-inf`
@@ -153,11 +159,24 @@ pub struct Table {
 impl Table {
     /// A table without rows.
     #[must_use]
-    pub fn new(columns: &[&str]) -> Self {
+    pub fn new<S: AsRef<str>>(columns: &[S]) -> Self {
         Self {
-            columns: columns.iter().map(|&name| name.to_owned()).collect(),
+            columns: columns.iter().map(|s| s.as_ref().to_owned()).collect(),
             rows: Vec::new(),
         }
+    }
+
+    /// A table without rows, whose first column names what the others are about.
+    #[must_use]
+    pub fn about(first: &str, others: impl IntoIterator<Item = String>) -> Self {
+        let columns = std::iter::once(first.to_owned()).chain(others);
+        Self::new(&columns.collect::<Vec<_>>())
+    }
+
+    /// Adds a row: what it is about, and the other cells.
+    pub fn line(&mut self, first: impl Into<Cell>, others: impl IntoIterator<Item = Cell>) {
+        let cells = std::iter::once(first.into()).chain(others);
+        self.rows.push(cells.collect());
     }
 
     /// A table of typed rows: a column per field, of the same name with blanks for `_`; where there is more to say, such
@@ -309,6 +328,24 @@ pub fn significant(number: f64, digits: usize) -> String {
         format!("{}e{exponent}", trimmed(mantissa))
     };
     text.replace('-', "−").replace("e−", "e-")
+}
+
+/// `number` as a reader wants it: two significant digits, or all of them before the point.
+#[must_use]
+pub fn two(number: f64) -> String {
+    match number.abs() >= 100.0 {
+        true => format!("{number:.0}"),
+        false => significant(number, 2),
+    }
+}
+
+/// A fraction as a percentage of two digits.
+#[must_use]
+pub fn percent(fraction: f64) -> String {
+    match 100.0 * fraction {
+        none if none.abs() < 0.005 => "0 %".into(),
+        share => format!("{} %", two(share)),
+    }
 }
 
 /// Without the zeros that end a decimal fraction.

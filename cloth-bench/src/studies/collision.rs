@@ -6,7 +6,7 @@ mod queries;
 
 use crate::bounds::bounds;
 use crate::report::html::Picture;
-use crate::report::render::{Projection, Surface, View, render_row};
+use crate::report::render::{Projection, Surface, View, render};
 use crate::run::{SeparationWatch, Watched};
 use crate::studies::prelude::*;
 
@@ -198,8 +198,8 @@ fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         });
         let ends: Vec<(&str, End)> = ends.collect();
         if !ends.is_empty() {
-            let picture = picture(&scene, &ends)?;
-            study.findings.section.pictures.push(picture);
+            let pictures = pictures(&scene, &ends)?;
+            study.findings.section.pictures.extend(pictures);
         }
     }
     let table = Table::of(&rows);
@@ -248,24 +248,10 @@ fn around(ends: &[(&str, End)]) -> [Vec3; 2] {
     [low - room, high + room]
 }
 
-/// The ends of a scene side by side.
-fn picture(scene: &Scene, ends: &[(&str, End)]) -> Result<Picture, BenchError> {
+/// The ends of a scene, all seen by one camera.
+fn pictures(scene: &Scene, ends: &[(&str, End)]) -> Result<Vec<Picture>, BenchError> {
     let mesh = scene.mesh.as_ref();
     let triangles = mesh.map_or(&[][..], |mesh| mesh.triangles());
-    let obstacles: Vec<_> = ends
-        .iter()
-        .map(|(_, end)| scene.obstacle_surfaces(end.time))
-        .collect();
-    let tiles: Vec<Vec<Surface<'_>>> = ends
-        .iter()
-        .zip(&obstacles)
-        .map(|((_, end), obstacles)| {
-            let cloth = Surface::cloth(&end.positions, triangles);
-            let obstacles = obstacles.iter().map(|(x, t)| Surface::obstacle(x, t));
-            std::iter::once(cloth).chain(obstacles).collect()
-        })
-        .collect();
-    let tiles: Vec<&[Surface<'_>]> = tiles.iter().map(|tile| &tile[..]).collect();
     let view = View {
         width: 330,
         height: 330,
@@ -273,15 +259,18 @@ fn picture(scene: &Scene, ends: &[(&str, End)]) -> Result<Picture, BenchError> {
         // A floor is larger than what lies on it, and may reach behind an eye that is near.
         projection: Projection::Orthographic,
         bounds: Some(around(ends)),
+        background: None,
         ..View::default()
     };
-    let names: Vec<&str> = ends.iter().map(|(name, _)| *name).collect();
-    Ok(Picture {
-        png: render_row(&tiles, &view)?,
-        caption: format!(
-            "`{}` at its end, from left to right: {}.",
-            scene.name,
-            names.join(", ")
-        ),
-    })
+    let picture = |(method, end): &(&str, End)| {
+        let obstacles = scene.obstacle_surfaces(end.time);
+        let obstacles = obstacles.iter().map(|(x, t)| Surface::obstacle(x, t));
+        let cloth = Surface::cloth(&end.positions, triangles);
+        let surfaces: Vec<Surface<'_>> = std::iter::once(cloth).chain(obstacles).collect();
+        Ok(Picture {
+            png: render(&surfaces, &view)?,
+            caption: format!("{}, {method}", scene.name),
+        })
+    };
+    ends.iter().map(picture).collect()
 }

@@ -12,7 +12,7 @@ use crate::studies::prelude::*;
 pub(super) const STUDY: Study = Study {
     name: "contact",
     question: "What is each method's answer worth once the cloth touches something?",
-    about: "Step: a sheet of 1 m × 1 m lies on a sphere of 0.3 m with its middle while its sides fall, a strip folds onto itself, \
+    about: "One contact potential for every method, as an energy or as constraints: only one is left, so methods are compared and not potentials. Step: a sheet of 1 m × 1 m lies on a sphere of 0.3 m with its middle while its sides fall, a strip folds onto itself, \
         sheets land on each other, a tube buckles on a floor, each after some steps of 1/60 s of implicit Euler. \
         The reference x* is implicit Euler's next step to 1e-10: the minimiser of G with the contact potential and its lagged friction. The position error is ‖x − x*‖_M/‖x̃ − x*‖_M, 1 at the inertial prediction, which \
         has gone into what it touches; the objective error (G − G*)/(G(xₙ) − G*), 1 where the step starts, none where the straight \

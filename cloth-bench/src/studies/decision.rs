@@ -4,13 +4,13 @@ pub mod columns;
 pub mod measure;
 mod shortened;
 
-use super::{capitalised, scale};
+use super::scale;
 use crate::bounds::bounds;
 use crate::report::html::Picture;
 use crate::report::render::{Surface, View, render};
 use crate::report::table::Mark;
 use crate::studies::prelude::*;
-use columns::{COLUMNS, percent, two};
+use columns::COLUMNS;
 use measure::{Contact, Cost, Step};
 
 pub(super) const STUDY: Study = Study {
@@ -19,13 +19,13 @@ pub(super) const STUDY: Study = Study {
     about: "ms a step and memory (peak of the process): the hanging sheet from rest, in a process of its own, median of sixteen \
         steps, or of three where a step takes longer than 0.3 s. Real time: vertices a side at 16.7 ms a step, from the power law \
         through both sizes, with an exponent of 1 in the vertices at least. Every method has the default of `run` throughout, so xpbd as \
-        many substeps as the mesh asks for, but for stable up to and fold, where it has the published 20. Error: (G − G*)/(G(x̃) − G*) after the sixteenth step of the hanging sheet, 1 at the inertial \
+        many substeps as the mesh asks for, but for stable up to and locks, where it has the published 20. Error: (G − G*)/(G(x̃) − G*) after the sixteenth step of the hanging sheet, 1 at the inertial \
         prediction, 0 at the minimum; none for methods that solve another step. Stretch: largest strain of an edge after half a \
         second of hanging. Stable up to: springs of so many N/m at Δt = 1/60 s without energy of motion from nowhere; explicit \
-        methods take the step in one part there, elsewhere they cut it as finely as they need. Fold: angle over the exact one of a \
-        sheet with edges of 1e6 N/m that hangs over an edge (see the study of locking): from 0.8 to 1.25 it folds, below 0.5 it is locked. \
+        methods take the step in one part there, elsewhere they cut it as finely as they need. Locks: angle over the exact one of a \
+        sheet with edges of 1e6 N/m that hangs over an edge, methods that damp next to nothing with air drag (see the study of locking): yes below 0.5, partly below 0.8, too far above 1.25. \
         Contact: the same sheet falls on a sphere, half a second; its time a step over that of hanging, pairs that cross at the \
-        end, and energy above what start and gravity gave, over the latter, energy of strained springs included. Best: within a twentieth of the best. Unfit: \
+        end, and energy from nowhere: above what start and gravity gave, over the latter, energy of strained springs included. Best: within a twentieth of the best. Unfit: \
         ten times the time, memory or contact cost of the best, a tenth of its vertices, an error above 0.1, twice the stretch of \
         implicit Euler, unstable with 1e4 N/m, locked, crossings, or more than 1 % of energy above what was given.",
     run,
@@ -35,9 +35,6 @@ pub(super) const STUDY: Study = Study {
 const REFERENCE: &str = "implicit-euler";
 
 const DT: Real = 1.0 / 60.0;
-
-/// Energy above what was given, over that, which counts as kept.
-const MOST_EXCESS: Real = 0.01;
 
 fn methods() -> impl Iterator<Item = &'static Method> {
     method::all().filter(|method| method.name != scale::WITHOUT)
@@ -81,11 +78,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 .notes
                 .push(format!("{name}: {reason}."));
         }
-        let drapes = contact
-            .iter()
-            .flat_map(|c| [("1/60", &c.sixtieth), ("1/30", &c.thirtieth)]);
-        for (dt, reason) in drapes.filter_map(|(dt, d)| Some((dt, d.reason.as_ref()?))) {
-            let note = format!("{name} in contact, steps of {dt} s: {reason}.");
+        for reason in contact.iter().filter_map(|c| c.drape.reason.as_ref()) {
+            let note = format!("{name} in contact: {reason}.");
             study.findings.section.notes.push(note);
         }
         rows.push(Row {
@@ -97,12 +91,16 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     }
     study.findings.section.verdict = Some(verdict(&rows));
     study.findings.data("decision", data(&rows));
-    let shown = shown(scope, &rows, foretold.as_deref().unwrap_or_default());
+    let memory = format!("memory of {}", scale::WITHOUT);
+    let memory = study.case(&memory, || measure::hopeless_memory(scope));
+    let foretold = foretold.as_deref().unwrap_or_default();
+    let shown = shown(scope, &rows, foretold, memory.flatten());
     let caption = format!(
-        "Every method at its default setting: ★ best, ✗ unfit, – not to be had. Pictures: the same cloth on a sphere after {:.2} s.",
-        Real::from(measure::steps(scope)) * DT
+        "Every method at its default setting: ★ best, ✗ unfit, n/a for a method of which no step is stable. Another step: one that is not implicit Euler's. Pictures: the same cloth on a sphere after {} s.",
+        two(Real::from(measure::steps(scope)) * DT)
     );
-    study.findings.section.tables.push((caption, shown));
+    let listed = ("decision".to_owned(), caption, shown);
+    study.findings.section.tables.push(listed);
     study.findings.section.pictures = strip(scope, &rows)?;
     let qualities = method::all().filter_map(Method::qualities);
     study.findings.table(
@@ -110,30 +108,29 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         "What no measurement says",
         Table::of(&qualities.collect::<Vec<_>>()),
     );
-    answer(scope, &rows, &mut study.findings);
+    answer(&rows, &mut study.findings);
     cuts(study);
     shortened::compare(study)
 }
 
 /// The numbers as they are.
 fn data(rows: &[Row]) -> Table {
-    let names = COLUMNS.iter().map(|c| format!("{} ({})", c.name, c.unit));
-    let columns = std::iter::once("method".to_owned()).chain(names).collect();
-    let cells = |row: &Row| {
+    let names = COLUMNS.iter().map(|c| match c.name.contains('(') {
+        true => c.name.to_owned(),
+        false => format!("{} ({})", c.name, c.unit),
+    });
+    let mut table = Table::about("method", names);
+    for row in rows {
         let values = COLUMNS.iter().map(|column| Cell::from((column.value)(row)));
-        std::iter::once(Cell::from(row.method))
-            .chain(values)
-            .collect()
-    };
-    Table {
-        columns,
-        rows: rows.iter().map(cells).collect(),
+        table.line(row.method, values);
     }
+    table
 }
 
-/// The numbers as a reader wants them, judged; a method that `foretold` why it fails has a line of its own.
+/// The numbers as a reader wants them, judged; a method that `foretold` why it fails has a line of its own, with the
+/// memory (B) that it takes.
 #[must_use]
-pub fn shown(scope: Scope, rows: &[Row], foretold: &str) -> Table {
+pub fn shown(scope: Scope, rows: &[Row], foretold: &str, memory: Option<Real>) -> Table {
     let [small, large] = measure::sides(scope).map(|side| format!("{side} × {side}"));
     let names = COLUMNS.iter().map(|column| {
         column
@@ -141,69 +138,65 @@ pub fn shown(scope: Scope, rows: &[Row], foretold: &str) -> Table {
             .replace("small", &small)
             .replace("large", &large)
     });
-    let mut columns = vec!["method".to_owned()];
-    columns.extend(names);
-    let mut lines: Vec<Vec<Cell>> = rows
-        .iter()
-        .map(|row| vec![Cell::from(row.method)])
-        .collect();
-    for column in &COLUMNS {
-        let all: Vec<Real> = rows.iter().filter_map(column.value).collect();
-        let reference = rows.iter().find(|row| row.method == REFERENCE);
-        let reference = reference.and_then(column.value);
-        for (line, row) in lines.iter_mut().zip(rows) {
-            line.push((column.value)(row).map_or(Cell::Missing, |value| {
-                let mark = column.rule.judge(value, &all, reference);
-                Cell::Marked((column.say)(value), mark)
-            }));
-        }
+    let mut table = Table::about("method", names);
+    for row in rows {
+        let cells = COLUMNS.iter().map(|column| match column.judged(row, rows) {
+            Some((value, mark)) => Cell::Marked((column.say)(value), mark),
+            None => {
+                let (why, mark) = column.absence(row);
+                Cell::Marked(why.into(), mark)
+            }
+        });
+        table.line(row.method, cells);
     }
-    let mut hopeless = vec![Cell::from(scale::WITHOUT)];
-    hopeless.extend(COLUMNS.iter().map(|column| match column.name {
-        "stable up to" => Cell::Marked(foretold.to_owned(), Mark::Expected),
-        _ => Cell::Missing,
-    }));
-    lines.push(hopeless);
-    Table {
-        columns,
-        rows: lines,
-    }
+    let hopeless = COLUMNS.iter().map(|column| match (column.name, memory) {
+        ("stable up to (N/m)", _) => Cell::Marked(foretold.to_owned(), Mark::Expected),
+        ("memory", Some(bytes)) => Cell::said((column.say)(bytes)),
+        _ => Cell::Marked("n/a".into(), Mark::Expected),
+    });
+    table.line(scale::WITHOUT, hopeless);
+    table
 }
 
-/// The best of the columns that people ask for first.
-fn verdict(rows: &[Row]) -> String {
-    let best = |value: fn(&Row) -> Option<Real>, sign: Real| {
-        let known = rows
+/// Which methods have nothing against them but their cost, which of these is best at what, and what is against the others.
+#[must_use]
+pub fn verdict(rows: &[Row]) -> String {
+    let against = |row: &Row| -> Vec<&str> {
+        let unfit = |column: &&columns::Column| {
+            let mark = column.judged(row, rows).map(|(_, mark)| mark);
+            column.rule.is_of_quality() && mark == Some(Mark::Unfit)
+        };
+        let names = COLUMNS.iter().filter(unfit).map(|c| c.name);
+        names.filter_map(|name| name.split(" (").next()).collect()
+    };
+    let (fit, unfit): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| against(row).is_empty());
+    let best = |purpose: &str, column: &str, sign: Real| {
+        let column = COLUMNS.iter().find(|one| one.name == column)?;
+        let known = fit
             .iter()
-            .filter_map(|row| Some((row.method, sign * value(row)?)));
-        known
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or("none", |(name, _)| name)
+            .filter_map(|row| Some((row.method, (column.value)(row)?)));
+        let (method, value) = known.min_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)))?;
+        let unit = if column.unit == "ms" { " ms" } else { "" };
+        let said = (column.say)(value);
+        Some(format!("{purpose}: {method} ({said}{unit}).\n"))
     };
-    let clean = clean(rows, |contact| &contact.sixtieth);
-    let has_kept_energy = |row: &&Row| {
-        let excess = row.contact.as_ref().and_then(|met| met.sixtieth.excess);
-        clean.contains(&row.method) && excess.is_some_and(|excess| excess <= MOST_EXCESS)
-    };
-    let exact = rows.iter().filter(has_kept_energy);
-    let exact: Vec<&str> = exact.map(|row| row.method).collect();
+    let best = [
+        best("Cheapest step of a large sheet", "ms a step, large", 1.0),
+        best("Cheapest step in contact", "ms in contact", 1.0),
+        best("Largest in real time", "real time up to about", -1.0),
+        best("Most accurate step", "error of a step", 1.0),
+    ];
+    let best: String = best.into_iter().flatten().collect();
+    let names: Vec<&str> = fit.iter().map(|row| row.method).collect();
+    let unfit = unfit
+        .iter()
+        .map(|row| format!("{} ({})", row.method, against(row).join(", ")));
+    let unfit: Vec<String> = unfit.collect();
     format!(
-        "The cheapest step of a large sheet is that of {}; the most accurate, that of {}; the largest cloth in real time, that of {}; contact without a crossing, and with at most 1 % of energy above what was given: {}.",
-        best(|row| row.cost.as_ref()?.ms[1], 1.0),
-        best(|row| row.step.as_ref()?.error, 1.0),
-        best(Row::real_time, -1.0),
-        exact.join(", ")
+        "{best}These are the best of those whose cloth is right: {}.\nNot so, and why: {}.",
+        names.join(", "),
+        unfit.join("; ")
     )
-}
-
-/// Methods that came through contact without a crossing, and without moving with energy from nowhere.
-fn clean(rows: &[Row], of: impl Fn(&Contact) -> &measure::Drape) -> Vec<&'static str> {
-    let is_clean = |row: &&Row| {
-        row.contact
-            .as_ref()
-            .is_some_and(|contact| of(contact).is_clean())
-    };
-    rows.iter().filter(is_clean).map(|row| row.method).collect()
 }
 
 /// The same cloth in contact, by each method.
@@ -215,7 +208,7 @@ fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
     let seconds = Real::from(measure::steps(scope)) * scene.dt;
     let bodies = scene.obstacle_surfaces(seconds);
     let drapes = rows.iter().filter_map(|row| {
-        let drape = &row.contact.as_ref()?.sixtieth;
+        let drape = &row.contact.as_ref()?.drape;
         let positions: Vec<Vec3> = drape.positions.iter().copied().map(Vec3::from).collect();
         (!positions.is_empty()).then_some((row.method, positions))
     });
@@ -226,6 +219,7 @@ fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
         width: 300,
         height: 260,
         bounds: Some(frame),
+        background: None,
         ..View::default()
     };
     let picture = |(method, positions): &(&str, Vec<Vec3>)| {
@@ -242,65 +236,28 @@ fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
     drapes.iter().map(picture).collect()
 }
 
-/// What contact costs, and what survives longer steps.
-fn answer(scope: Scope, rows: &[Row], findings: &mut Findings) {
+/// What contact costs.
+fn answer(rows: &[Row], findings: &mut Findings) {
     let costs = rows.iter().filter_map(|row| {
-        let ms = row.contact.as_ref()?.sixtieth.ms?;
-        Some(format!(
-            "{} × {} ({} ms)",
-            row.method,
-            two(row.contact_cost()?),
-            two(ms)
-        ))
+        let ms = row.contact.as_ref()?.drape.ms?;
+        Some((row.method, row.contact_cost()?, ms))
     });
-    let costs: Vec<String> = costs.collect();
-    let told = format!(
-        "A step of a sheet on a sphere takes, over one of the same sheet hanging: {}.",
-        costs.join(", ")
-    );
-    findings.answer("What does contact cost?", told);
-    let survives = clean(rows, |contact| &contact.thirtieth);
-    let others = rows.iter().filter(|row| !survives.contains(&row.method));
-    let others = others.filter_map(|row| {
-        let drape = &row.contact.as_ref()?.thirtieth;
-        let why = match drape.crossings {
-            Some(pairs) if pairs > 0.0 => format!("{pairs} crossings"),
-            Some(_) => "moves with energy that it was never given".into(),
-            None => drape.reason.clone()?,
-        };
-        Some(format!("{} ({why})", row.method))
-    });
-    let others: Vec<String> = others.collect();
-    let others = match others.is_empty() {
-        true => String::new(),
-        false => format!(" Not: {}.", others.join(", ")),
-    };
-    let is_strained = |row: &&Row| {
-        let contact = row
-            .contact
-            .as_ref()
-            .filter(|_| survives.contains(&row.method));
-        contact.and_then(|contact| contact.thirtieth.excess) > Some(MOST_EXCESS)
-    };
-    let strained: Vec<&str> = rows
-        .iter()
-        .filter(is_strained)
-        .map(|row| row.method)
-        .collect();
-    let strained = match strained.is_empty() {
-        true => String::new(),
-        false => format!(
-            " Of these, {} held more than 1 % above it.",
-            strained.join(", ")
-        ),
-    };
-    let told = format!(
-        "{} steps on the sphere without a crossing, and never in motion with more energy than was given: {}.{strained}{others} {} at no step, as expected.",
-        measure::steps(scope) / 2,
-        survives.join(", "),
-        capitalised(scale::WITHOUT)
-    );
-    findings.answer("What survives a step of 1/30 s?", told);
+    let costs: Vec<(&str, Real, Real)> = costs.collect();
+    let by_cost = |a: &&(&str, Real, Real), b: &&(&str, Real, Real)| a.1.total_cmp(&b.1);
+    let ends = [costs.iter().min_by(by_cost), costs.iter().max_by(by_cost)];
+    let in_time = costs.iter().min_by(|a, b| a.2.total_cmp(&b.2));
+    if let ([Some(least), Some(most)], Some(fastest)) = (ends, in_time) {
+        let told = format!(
+            "A step of a sheet on a sphere takes {} ({}) to {} ({}) times one of the same sheet hanging; the fastest in contact is {} with {} ms.",
+            two(least.1),
+            least.0,
+            two(most.1),
+            most.0,
+            fastest.0,
+            two(fastest.2)
+        );
+        findings.answer("What does contact cost?", told, None, "table-decision");
+    }
 }
 
 /// A number of sweeps over the constraints, as iterations and as substeps.
@@ -352,23 +309,24 @@ fn cuts(study: &mut StudyRun<'_>) {
             } = cut;
             let settings = Settings::of(&format!("substeps={substeps} iterations={iterations}"));
             let method = Method::find(method)?;
-            let (scene, steps) = (measure::draped(scope)?, measure::steps(scope));
-            measure::Drape::measure(&scene, scope, method, &settings, (DT, steps))
+            measure::Drape::measure(&measure::draped(scope)?, scope, method, &settings)
         },
     );
-    let (mut rows, mut told) = (Vec::new(), Vec::new());
+    let names = CUTS.map(|(substeps, iterations)| format!("{substeps} × {iterations}"));
+    let (mut rows, mut told) = (Vec::new(), Table::about("method", names));
+    let mut most_substeps = true;
+    for of_method in found.chunk_by(|a, b| a.0.method == b.0.method) {
+        let say = |(_, drape): &(Cut, measure::Drape)| match (drape.stretch, drape.ms) {
+            (Some(stretch), Some(ms)) => {
+                Cell::said(format!("{} in {} ms", percent(stretch), two(ms)))
+            }
+            _ => Cell::Missing,
+        };
+        told.line(of_method[0].0.method, of_method.iter().map(say));
+        let stretches = of_method.iter().map(|(_, drape)| drape.stretch);
+        most_substeps &= stretches.is_sorted_by(|a, b| a > b);
+    }
     for (cut, drape) in found {
-        if let (Some(ms), Some(stretch)) = (drape.ms, drape.stretch) {
-            let Cut {
-                method,
-                substeps,
-                iterations,
-            } = cut;
-            let (stretch, ms) = (percent(stretch), two(ms));
-            told.push(format!(
-                "{method} {substeps} × {iterations}: {stretch} of stretch in {ms} ms"
-            ));
-        }
         let note = drape
             .reason
             .map(|reason| format!("{}: {reason}.", name(&cut)));
@@ -385,9 +343,15 @@ fn cuts(study: &mut StudyRun<'_>) {
     study
         .findings
         .table("decision-substeps", caption, Table::of(&rows));
-    let told = told.join("; ");
-    let answer = format!("Twenty sweeps a step on the sphere, as substeps × iterations: {told}.");
+    let better = match most_substeps {
+        true => "Substeps: the more of them, the less stretch.",
+        false => "More substeps do not always leave less stretch.",
+    };
+    let answer = format!(
+        "{better} Largest stretch of twenty sweeps a step on the sphere, as substeps × iterations, and time of a step:"
+    );
+    let question = "Iterations or substeps under contact?";
     study
         .findings
-        .answer("Iterations or substeps under contact?", answer);
+        .answer(question, answer, Some(told), "table-decision-substeps");
 }

@@ -46,6 +46,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     study.findings.answer(
         "Which folds does the mesh allow?",
         allowed(as_counted, &folds),
+        None,
+        "figure-locking-fold",
     );
     study.findings.section.verdict = Some(format!(
         "{} {by_method}",

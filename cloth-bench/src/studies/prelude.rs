@@ -7,7 +7,7 @@ pub(super) use crate::error::BenchError;
 pub(super) use crate::journal::Number;
 pub(super) use crate::method::{self, Method};
 pub(super) use crate::report::plot::{Axis, Plot, Series, Style, curves};
-pub(super) use crate::report::table::{Cell, Table, significant};
+pub(super) use crate::report::table::{Cell, Table, percent, significant, two};
 pub(super) use crate::run;
 pub(super) use crate::scene::{self, Scene};
 pub(super) use crate::settings::Settings;

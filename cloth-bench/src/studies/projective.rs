@@ -3,7 +3,7 @@
 pub(super) mod factor;
 pub mod swing;
 
-use super::sheets;
+use super::{capitalised, sheets};
 use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
@@ -82,10 +82,12 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     if let Some(verdict) = &verdict {
         study.findings.answer(
             "Does the convergence of projective dynamics depend on resolution?",
-            verdict.clone(),
+            verdict.0.clone(),
+            Some(verdict.1.clone()),
+            "figure-projective-size",
         );
     }
-    study.findings.section.verdict = verdict;
+    study.findings.section.verdict = verdict.map(|(told, _)| told);
     Ok(())
 }
 
@@ -119,7 +121,7 @@ fn steps(
     scope: Scope,
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
-) -> Result<Option<String>, BenchError> {
+) -> Result<Option<(String, Table)>, BenchError> {
     let (mut by_size, mut by_stiffness) = (Vec::new(), Vec::new());
     for &n in sizes(scope) {
         let at = (n, sheets::STIFFNESS, Real::from(n));
@@ -279,32 +281,35 @@ fn race(
     Ok(())
 }
 
-/// Whether the plain iteration, and the default, need as many iterations at the largest as at the smallest.
-fn verdict(by_size: &[StepRow], by_stiffness: &[StepRow]) -> Option<String> {
-    let ends = |rows: &[StepRow], variant: usize| {
-        let ours = || {
-            rows.iter()
-                .filter(move |row| row.variant == VARIANTS[variant].0)
-        };
-        let show = |row: &StepRow| {
-            let count = row.iterations.map(|count| count.to_string());
-            count.unwrap_or("not within the budget".into())
-        };
-        Some(format!(
-            "{} and {}",
-            show(ours().next()?),
-            show(ours().next_back()?)
-        ))
-    };
-    let [plain, coarse] = [ends(by_size, 0)?, ends(by_size, 3)?];
-    let [plain_by_stiffness, coarse_by_stiffness] =
-        [ends(by_stiffness, 0)?, ends(by_stiffness, 3)?];
-    let (from, to) = (by_size.first()?.x, by_size.last()?.x);
+/// Whether each variant needs as many iterations at the largest as at the smallest, in words and in numbers.
+fn verdict(by_size: &[StepRow], by_stiffness: &[StepRow]) -> Option<(String, Table)> {
+    let (coarse, fine) = (by_size.first()?.n, by_size.last()?.n);
     let (soft, stiff) = (by_stiffness.first()?.x, by_stiffness.last()?.x);
-    Some(format!(
-        "Is the convergence independent of the resolution? {}. Iterations to an error of 1e-4, at {from} and at {to} vertices a side: {plain} plain, {coarse} with the coarse grid. At {soft:e} and at {stiff:e} N/m: {plain_by_stiffness} plain, {coarse_by_stiffness} with the coarse grid.",
-        independence(by_size),
-    ))
+    let columns = [
+        format!("{coarse} × {coarse}"),
+        format!("{fine} × {fine}"),
+        format!("{soft} N/m"),
+        format!("{stiff} N/m"),
+    ];
+    let mut table = Table::about("variant", columns);
+    for (variant, _) in VARIANTS {
+        let ends = |rows: &[StepRow]| {
+            let ours: Vec<&StepRow> = rows.iter().filter(|row| row.variant == variant).collect();
+            [ours.first(), ours.last()].map(|row| {
+                let count = row.and_then(|row| row.iterations);
+                count.map_or(Cell::said("too many"), |count| {
+                    Cell::said(count.to_string())
+                })
+            })
+        };
+        let cells = [ends(by_size), ends(by_stiffness)].into_iter().flatten();
+        table.line(variant, cells);
+    }
+    let told = format!(
+        "Iterations of one step to an error of 1e-4. {}.",
+        independence(by_size)
+    );
+    Some((told, table))
 }
 
 /// Counts that differ by less than this factor from sheet to sheet do not depend on the resolution.
@@ -315,19 +320,19 @@ fn independence(by_size: &[StepRow]) -> String {
     let judge = |variant: &str| {
         let ours = by_size.iter().filter(|row| row.variant == variant);
         let Some(counts) = ours.map(|row| row.iterations).collect::<Option<Vec<u32>>>() else {
-            return "not seen within the budget";
+            return "more than were tried";
         };
         let ratio = |a: Option<&u32>, b: Option<&u32>| Some(Real::from(*a?) / Real::from(*b?));
         let spread = ratio(counts.iter().max(), counts.iter().min());
         let growth = ratio(counts.last(), counts.first());
         match (spread, growth) {
-            (Some(spread), _) if spread <= SAME => "yes",
-            (_, Some(growth)) if growth > 1.0 => "no, the finest sheet takes more",
-            _ => "no, the finest sheet takes fewer",
+            (Some(spread), _) if spread <= SAME => "independent of it",
+            (_, Some(growth)) if growth > 1.0 => "more on finer sheets",
+            _ => "fewer on finer sheets",
         }
     };
     let each = VARIANTS.map(|(label, _)| format!("{label}: {}", judge(label)));
-    each.join("; ")
+    capitalised(&each.join("; "))
 }
 
 /// A fall; relative is to converged implicit Euler.

@@ -326,12 +326,14 @@ fn iterations(study: &mut StudyRun<'_>) -> String {
         return String::new();
     };
     let enough = if iterations < 0.01 { "Yes" } else { "No" };
-    let [of_iterations, of_substeps] = [100.0 * iterations, 100.0 * substeps];
+    let [of_iterations, of_substeps] = [iterations, substeps].map(percent);
     study.findings.answer(
         "Is \"iterations = mesh diameter\" enough?",
         format!(
-            "{enough}. A rigid sheet of {ROW} edges across, hung by its upper edge, is {of_iterations:.2} % longer than it should be after {ROW} iterations a step of 1/60 s."
+            "{enough}. A rigid sheet of {ROW} edges across, hung by its upper edge, is {of_iterations} longer than it should be after {ROW} iterations a step of 1/60 s."
         ),
+        None,
+        "table-sag-iterations",
     );
     let better = if substeps < iterations {
         "Substeps"
@@ -341,8 +343,10 @@ fn iterations(study: &mut StudyRun<'_>) -> String {
     study.findings.answer(
         "Substeps or iterations?",
         format!(
-            "{better}. {ROW} sweeps a step leave {of_iterations:.2} % of stretch on that sheet as iterations and {of_substeps:.3} % as substeps; for one sweep a substep there is a law, so the number that a wanted strain takes can be computed beforehand."
+            "{better}. {ROW} sweeps a step leave {of_iterations} of stretch on that sheet as iterations and {of_substeps} as substeps; for one sweep a substep there is a law, so the number that a wanted strain takes can be computed beforehand."
         ),
+        None,
+        "table-sag-iterations",
     );
     format!(
         "\"Iterations = mesh diameter\" leaves a mean strain of {iterations:.2e} on the sheet hung by an edge, the same sweeps as substeps {substeps:.2e}."

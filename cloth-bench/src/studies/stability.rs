@@ -1,5 +1,6 @@
 //! Where the methods stop working: maps of step size, stiffness, ratios and mesh quality.
 
+use crate::report::table::Mark;
 use crate::studies::prelude::*;
 use cloth_core::measure::{gravitational_energy, kinetic_energy};
 use cloth_core::random::SplitMix64;
@@ -208,9 +209,16 @@ fn draw(
         else {
             continue;
         };
+        let hopeless = Method::find(row.method.method()).is_ok_and(Method::is_never_stable);
         let label = row.method.label;
         let mut cells = vec![Cell::from(label.as_str()), Cell::from(row.down)];
-        cells.extend(fates.iter().map(|fate| Cell::from(fate.word())));
+        cells.extend(fates.iter().map(|fate| {
+            let mark = match fate {
+                Fate::Diverged(_) if hopeless => Mark::Expected,
+                _ => Mark::Plain,
+            };
+            Cell::Marked(fate.word(), mark)
+        }));
         table.rows.push(cells);
         for fate in &fates {
             if let Fate::Refused(reason) = fate {
@@ -246,6 +254,9 @@ fn passed(method: &str, fates: &[Fate]) -> String {
         .filter(|fate| matches!(fate, Fate::Strained(_)))
         .count();
     match strained {
+        0 if ok == 0 && Method::find(method).is_ok_and(Method::is_never_stable) => {
+            format!("{method} none, as expected")
+        }
         0 => format!("{method} {ok}"),
         strained => format!("{method} {ok} and strained in {strained}"),
     }

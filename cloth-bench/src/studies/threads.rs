@@ -60,17 +60,21 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             (Real::from(point.vertices_a_side), times.gain),
         )
     });
-    let parts = methods().into_iter().map(|name| {
+    let mut helps = Table::new(&["method", "from", "by up to"]);
+    let mut never = Vec::new();
+    for name in methods() {
         let curve = gains.iter().find(|series| series.label == name);
         let curve = curve.map_or(&[][..], |series| &series.points);
         let no_more = curve.iter().rposition(|(_, gain)| *gain <= 1.1);
         let most = curve.iter().map(|(_, gain)| *gain).fold(0.0, Real::max);
         match curve.get(no_more.map_or(0, |last| last + 1)) {
-            Some((n, _)) => format!("{name} from {n} × {n} on, by up to {most:.2}"),
-            None => format!("{name} at no size measured"),
+            Some((n, _)) => {
+                let cells = [format!("{n} × {n}"), format!("× {}", two(most))];
+                helps.line(name, cells.map(Cell::said));
+            }
+            None => never.push(name),
         }
-    });
-    let parts: Vec<String> = parts.collect();
+    }
     let gain = Axis::linear("time on one thread over time on two (dimensionless)");
     let plot = Plot::new(
         "What a second thread gains",
@@ -85,12 +89,23 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     study
         .findings
         .table("threads", "A step on one thread and on two", table);
-    let parts = parts.join("; ");
-    let verdict = format!("A second thread shortens a step by more than a tenth: {parts}.");
+    let helps = (!helps.rows.is_empty()).then_some(helps);
+    let told = match (&helps, &never[..]) {
+        (None, _) => {
+            "It shortens no method's step by more than a tenth at any size measured.".into()
+        }
+        (_, []) => "It shortens a step by more than a tenth with every method measured:".into(),
+        (_, never) => format!(
+            "It shortens a step by more than a tenth as the table says, and at no size measured with {}:",
+            never.join(", ")
+        ),
+    };
+    study.findings.section.verdict =
+        Some(format!("A second thread: {}", told.trim_end_matches(':')));
+    let question = "When does a second thread help?";
     study
         .findings
-        .answer("When does a second thread help?", verdict.clone());
-    study.findings.section.verdict = Some(verdict);
+        .answer(question, told, helps, "figure-threads");
     Ok(())
 }
 

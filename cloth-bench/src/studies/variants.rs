@@ -1,6 +1,6 @@
 //! Methods with settings of their own, as lines of text.
 
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::settings::Settings;
 
 /// A method with some of its settings, and what it is called.
@@ -34,6 +34,18 @@ impl Variant {
         };
         let lines = lines.lines().filter(|line| !line.trim().is_empty());
         lines.map(variant).collect()
+    }
+
+    /// Methods of your own that have a parameter `iterations`, with so many.
+    pub fn own_that_iterate(iterations: u32) -> impl Iterator<Item = Self> {
+        let iterates = |own: &&Method| {
+            let mut parameters = own.parameters().into_iter().flatten();
+            parameters.any(|one| one.name == "iterations")
+        };
+        method::own().iter().filter(iterates).map(move |own| Self {
+            settings: Settings::default().with("iterations", iterations),
+            ..Self::default_of(own)
+        })
     }
 
     /// The name of the method.

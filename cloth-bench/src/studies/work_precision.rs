@@ -141,7 +141,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 let method = Method::find(variant.method())?;
                 fall(scene, method, &variant.settings, rate, reference.get()?)
             });
-            let remark = outcome.as_ref().err().map(BenchError::to_string);
+            let remark = super::remark(&outcome);
             let outcome = outcome.ok();
             let order = before.zip(outcome).map(|((coarser, error), now)| {
                 (error / now.error).ln() / (Real::from(rate) / Real::from(coarser)).ln()
@@ -154,7 +154,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 iterations: outcome.map(|o| o.iterations),
                 error: outcome.map(|o| o.error),
                 order,
-                remark: remark.unwrap_or_default(),
+                remark,
             });
         }
     }

@@ -15,6 +15,7 @@ mod recovery;
 mod sheets;
 mod skip;
 mod stability;
+mod xpbd_floor;
 
 use cloth_bench::error::BenchError;
 use cloth_bench::journal::line::write;

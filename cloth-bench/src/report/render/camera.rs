@@ -21,11 +21,11 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The camera that has all of the tiles in its picture.
+    /// The camera that has all of the surfaces in its picture.
     ///
     /// # Errors
     /// [`RenderError::View`] for a view that shows nothing.
-    pub fn framing(tiles: &[&[Surface<'_>]], view: &View) -> Result<Self, RenderError> {
+    pub fn framing(surfaces: &[Surface<'_>], view: &View) -> Result<Self, RenderError> {
         let unit = |v: Vec3| v.try_normalize(1e-12);
         let degenerate = RenderError::View("direction and up must be independent vectors");
         let (back, right) = unit(-view.direction)
@@ -40,7 +40,7 @@ impl Camera {
             scale: 1.0,
             middle: [view.width, view.height].map(|side| (side * SAMPLES) as f64 / 2.0),
         };
-        let corners = corners(tiles, view.bounds);
+        let corners = corners(surfaces, view.bounds);
         let [low, high] = camera.extent(&corners);
         let middle = (low + high) / 2.0;
         camera.centre = camera.right * middle.x + camera.up * middle.y + camera.back * middle.z;
@@ -129,11 +129,11 @@ impl Camera {
 }
 
 /// The corners of the box to frame.
-fn corners(tiles: &[&[Surface<'_>]], bounds: Option<[Vec3; 2]>) -> Vec<Vec3> {
+fn corners(surfaces: &[Surface<'_>], bounds: Option<[Vec3; 2]>) -> Vec<Vec3> {
     let Some([low, high]) = bounds else {
         // Every vertex is a corner: the box of a tilted sheet would leave much empty space.
-        let surfaces = tiles.iter().flat_map(|tile| tile.iter());
         return surfaces
+            .iter()
             .flat_map(|s| {
                 s.triangles
                     .iter()

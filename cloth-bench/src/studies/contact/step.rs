@@ -289,7 +289,9 @@ fn steps(
 }
 
 pub(super) fn run(study: &mut StudyRun<'_>) {
-    let (mut defaults, mut samples, mut told) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut defaults, mut samples) = (Vec::new(), Vec::new());
+    let columns = WANTED.map(|wanted| format!("to {}", percent(wanted)));
+    let mut told = Table::about("scene, vertices", columns);
     for (scene, steps_before) in MOMENTS {
         for &n in sides(study.scope, scene) {
             let mut problem = LazyCell::new(|| ContactProblem::new(scene, n, steps_before));
@@ -298,7 +300,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             let finer = steps(study, at, &mut problem, finer(study.scope));
             plot(study, at, &finer);
             let every: Vec<&Row> = by_default.iter().chain(&finer).collect();
-            told.push(format!("{scene}, {n} × {n}: {}", fastest(&every)));
+            told.line(Cell::said(format!("{scene}, {n} × {n}")), fastest(&every));
             defaults.extend(by_default);
             samples.extend(finer);
         }
@@ -313,10 +315,9 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         .data("contact-step-samples", Table::of(&samples));
     study.findings.answer(
         "Which method at which error in contact?",
-        format!(
-            "For one step of implicit Euler, by the distance from its end, as a part of that of the inertial prediction: {}.",
-            told.join("; ")
-        ),
+        "The fastest to a step of implicit Euler; the error is the distance from its end, over that of the inertial prediction.".into(),
+        Some(told),
+        &format!("figure-contact-step-{}-position-{}", MOMENTS[0].0, sides(study.scope, MOMENTS[0].0)[0]),
     );
 }
 
@@ -349,14 +350,16 @@ fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[Row]) {
     }
 }
 
-/// Who is the first at each error, in words.
-fn fastest(found: &[&Row]) -> String {
-    let parts = [0.3, 0.1, 1e-2, 1e-3].map(|wanted| {
+/// Position errors (dimensionless) that are asked for.
+const WANTED: [Real; 4] = [0.3, 0.1, 1e-2, 1e-3];
+
+/// Who is the first at each error, and when.
+fn fastest(found: &[&Row]) -> [Cell; 4] {
+    WANTED.map(|wanted| {
         let there = found.iter().filter(|row| row.position_error <= wanted);
         let first = there.min_by(|a, b| a.ms.total_cmp(&b.ms));
-        first.map_or(format!("nobody gets to {wanted}"), |row| {
-            format!("{} to {wanted} ({} ms)", row.method, significant(row.ms, 3))
+        first.map_or(Cell::said("nobody"), |row| {
+            Cell::said(format!("{}: {} ms", row.method, two(row.ms)))
         })
-    });
-    parts.join(", ")
+    })
 }

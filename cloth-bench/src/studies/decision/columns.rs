@@ -1,6 +1,6 @@
 //! The columns of the table: how a value is said, and when it is best or unfit.
 
-use super::Row;
+use super::{REFERENCE, Row};
 use crate::report::table::Mark;
 use crate::studies::prelude::*;
 
@@ -60,14 +60,14 @@ pub(super) const COLUMNS: [Column; 12] = [
         rule: Rule::Reference,
     },
     Column {
-        name: "stable up to",
+        name: "stable up to (N/m)",
         unit: "N/m",
         value: |r| r.step.as_ref()?.stable,
         say: power,
         rule: Rule::Above(1e4),
     },
     Column {
-        name: "fold",
+        name: "locks?",
         unit: "dimensionless",
         value: |r| r.step.as_ref()?.fold,
         say: fold,
@@ -76,7 +76,7 @@ pub(super) const COLUMNS: [Column; 12] = [
     Column {
         name: "ms in contact",
         unit: "ms",
-        value: |r| r.contact.as_ref()?.sixtieth.ms,
+        value: |r| r.contact.as_ref()?.drape.ms,
         say: two,
         rule: Rule::Cost,
     },
@@ -90,14 +90,14 @@ pub(super) const COLUMNS: [Column; 12] = [
     Column {
         name: "crossings",
         unit: "pairs",
-        value: |r| r.contact.as_ref()?.sixtieth.crossings,
+        value: |r| r.contact.as_ref()?.drape.crossings,
         say: two,
         rule: Rule::Below(0.0),
     },
     Column {
-        name: "energy above what was given",
+        name: "energy from nowhere",
         unit: "dimensionless",
-        value: |r| r.contact.as_ref()?.sixtieth.excess,
+        value: |r| r.contact.as_ref()?.drape.excess,
         say: percent,
         rule: Rule::Below(0.01),
     },
@@ -109,7 +109,7 @@ pub(super) const COLUMNS: [Column; 12] = [
         rule: Rule::Cost,
     },
     Column {
-        name: "real time up to",
+        name: "real time up to about",
         unit: "vertices",
         value: Row::real_time,
         say: side,
@@ -121,25 +121,11 @@ fn one(value: Real) -> String {
     significant(value, 1)
 }
 
-pub(super) fn two(value: Real) -> String {
-    if value >= 100.0 {
-        return format!("{value:.0}");
-    }
-    significant(value, 2)
-}
-
-pub(super) fn percent(value: Real) -> String {
-    match 100.0 * value {
-        none if none < 0.005 => "0 %".into(),
-        share => format!("{} %", two(share)),
-    }
-}
-
 fn fold(share: Real) -> String {
     let word = match share {
-        share if share < 0.5 => "locked",
-        share if share < 0.8 => "bends",
-        share if share < 1.25 => "folds",
+        share if share < 0.5 => "yes",
+        share if share < 0.8 => "partly",
+        share if share < 1.25 => "no",
         _ => "too far",
     };
     format!("{word} ({share:.2})")
@@ -150,20 +136,46 @@ pub(super) fn power(value: Real) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let exponent = value.log10().round().clamp(0.0, 9.0) as usize;
     let least = if exponent == 9 { "≥ " } else { "" };
-    format!("{least}10{} N/m", DIGITS[exponent])
+    format!("{least}10{}", DIGITS[exponent])
 }
 
 /// A square of so many vertices.
 fn side(vertices: Real) -> String {
     let side = vertices.sqrt();
-    format!("≈ {side:.0} × {side:.0}")
+    format!("{side:.0} × {side:.0}")
+}
+
+impl Column {
+    /// The value of a row, and what to think of it beside the others.
+    pub(super) fn judged(&self, row: &Row, rows: &[Row]) -> Option<(Real, Mark)> {
+        let value = (self.value)(row)?;
+        let all: Vec<Real> = rows.iter().filter_map(self.value).collect();
+        let reference = rows.iter().find(|row| row.method == REFERENCE);
+        let reference = reference.and_then(self.value);
+        Some((value, self.rule.judge(value, &all, reference)))
+    }
+
+    /// What stands where a method has no value.
+    pub(super) fn absence(&self, row: &Row) -> (&'static str, Mark) {
+        let aims = Method::find(row.method).is_ok_and(Method::aims_at_implicit_euler);
+        let mut reasons = row.step.iter().flat_map(|step| &step.reasons);
+        let rests = !reasons.any(|reason| reason.contains("not at rest"));
+        match self.name {
+            "error of a step" if !aims => ("another step", Mark::Expected),
+            "locks?" if !rests => ("not at rest", Mark::Expected),
+            "ms a step, large" | "real time up to about" if row.cost.is_some() => {
+                ("too long", Mark::Unfit)
+            }
+            _ => ("failed", Mark::Unfit),
+        }
+    }
 }
 
 impl Row {
     /// Time of a step that ends in contact over that of one that hangs.
     pub(super) fn contact_cost(&self) -> Option<Real> {
         let contact = self.contact.as_ref()?;
-        Some(contact.sixtieth.ms? / contact.hanging_ms?)
+        Some(contact.drape.ms? / contact.hanging_ms?)
     }
 
     /// Vertices at 60 steps a second, by the power law through both sizes; but no step takes less than in proportion to
@@ -179,6 +191,11 @@ impl Row {
 }
 
 impl Rule {
+    /// Whether it judges what comes out, and not what that costs.
+    pub(super) fn is_of_quality(&self) -> bool {
+        !matches!(self, Self::Cost | Self::Gain)
+    }
+
     /// What to think of one of several values, given that of the reference.
     #[must_use]
     pub fn judge(&self, value: Real, all: &[Real], reference: Option<Real>) -> Mark {

@@ -92,11 +92,7 @@ impl Step {
         let error = method
             .aims_at_implicit_euler()
             .then(|| error_of_a_step(small(scope).0, method));
-        let fold = match method.name {
-            // Hundreds of steps of a stiff sheet, each cut into hundreds.
-            "symplectic-euler" => None,
-            name => Some(locking::fold_angle(name, 8)),
-        };
+        let fold = locking::fold_angle(method.name, 8);
         step.error = error.and_then(|found| or_reason(found, &mut step.reasons));
         let (_, n, steps) = small(scope);
         let hang = scene::build("hang", None, &Settings::default().with("n", n))?;
@@ -104,7 +100,7 @@ impl Step {
         let hung = run::from_start(&hang, method, &settings, hang.dt, steps, |_, _, _| Ok(()));
         let stretch = hung.map(|(summary, _)| summary.max_stretch);
         step.stretch = or_reason(stretch, &mut step.reasons);
-        step.fold = fold.and_then(|found| or_reason(found, &mut step.reasons));
+        step.fold = or_reason(fold, &mut step.reasons);
         Ok(step)
     }
 }
@@ -139,12 +135,19 @@ pub fn hopeless(scope: Scope) -> Result<String, BenchError> {
     Ok(stable.map_or("never, as expected".into(), super::columns::power))
 }
 
-/// A sheet in contact after half a second, by steps of 1/60 s and of 1/30 s, and the same sheet hanging.
+/// The memory (B) of the method of which no step is stable.
+pub(super) fn hopeless_memory(scope: Scope) -> Result<Option<Real>, BenchError> {
+    let [_, large] = sides(scope);
+    let size = scale::alone(scale::WITHOUT, large, TIMED[0], budget(scope))?;
+    let memory = size.map_err(BenchError::Failed)?.memory;
+    Ok(memory.map(|bytes| bytes as Real))
+}
+
+/// A sheet in contact after half a second, and the same sheet hanging.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Contact {
     pub(super) hanging_ms: Option<Real>,
-    pub(super) sixtieth: Drape,
-    pub(super) thirtieth: Drape,
+    pub(super) drape: Drape,
 }
 
 /// A sheet that has fallen on a sphere.
@@ -157,8 +160,6 @@ pub(super) struct Drape {
     pub(super) crossings: Option<Real>,
     /// Energy from nowhere over what was given (dimensionless).
     pub(super) excess: Option<Real>,
-    /// Whether it has moved with energy that it was never given.
-    pub(super) gains: bool,
     /// Positions (m).
     pub(super) positions: Vec<[Real; 3]>,
     /// Why there is none.
@@ -175,25 +176,22 @@ impl Contact {
             run::from_start(&hang, method, &defaults, hang.dt, steps, |_, _, _| check())
         });
         let hanging = hanging.ok().map(|(summary, _)| summary);
-        let scene = draped(scope)?;
-        let drape = |dt, steps| Drape::measure(&scene, scope, method, &defaults, (dt, steps));
         Ok(Self {
             hanging_ms: hanging.map(|s| s.ms_per_step_median),
-            sixtieth: drape(1.0 / 60.0, steps)?,
-            thirtieth: drape(1.0 / 30.0, steps / 2)?,
+            drape: Drape::measure(&draped(scope)?, scope, method, &defaults)?,
         })
     }
 }
 
 impl Drape {
-    /// So many steps of `dt` (s) of a method on a scene.
+    /// [So many steps](steps) of a method on a scene.
     pub(super) fn measure(
         scene: &Scene,
         scope: Scope,
         method: &Method,
         settings: &Settings,
-        (dt, steps): (Real, u32),
     ) -> Result<Self, BenchError> {
+        let (dt, steps) = (scene.dt, steps(scope));
         let ran = until(scope, |check| {
             run::from_start(scene, method, settings, dt, steps, |_, _, _| check())
         });
@@ -205,7 +203,6 @@ impl Drape {
                     .intersections
                     .map(|own| (own + summary.obstacle_intersections.unwrap_or(0)) as Real),
                 excess: Some(summary.energy_excess / summary.energy_given.max(Real::MIN_POSITIVE)),
-                gains: summary.energy_gain.is_some(),
                 positions: end.positions.into_iter().map(Into::into).collect(),
                 reason: None,
             },
@@ -214,11 +211,6 @@ impl Drape {
                 ..Self::default()
             },
         })
-    }
-
-    /// Whether nothing crosses, and nothing has moved with energy from nowhere.
-    pub(super) fn is_clean(&self) -> bool {
-        self.crossings == Some(0.0) && !self.gains
     }
 }
 

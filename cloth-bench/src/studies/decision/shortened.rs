@@ -1,8 +1,6 @@
 //! Steps in contact that end before they are converged: which of them is the better for its time?
 
-use super::DT;
-use super::columns::{percent, two};
-use super::measure::{Drape, steps};
+use super::measure::Drape;
 use crate::studies::prelude::*;
 use std::cmp::Ordering;
 
@@ -50,11 +48,19 @@ struct Given {
 }
 
 pub(super) fn compare(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let (mut rows, mut told) = (Vec::new(), Vec::new());
+    let columns = [
+        "scene",
+        "the fastest right to 2 %",
+        "pd, default",
+        "converged",
+    ];
+    let (mut rows, mut told, mut first) = (Vec::new(), Table::new(&columns), Vec::new());
     for (scene, sides) in SCENES {
-        let first = rows.len();
+        let begin = rows.len();
         compare_on(study, (scene, sides), &mut rows)?;
-        told.push(tell(scene, &rows[first..]));
+        let of_scene = &rows[begin..];
+        told.line(scene, tell(of_scene));
+        first.extend(fastest(of_scene).map(|(end, _)| format!("{} on {scene}", end.method)));
     }
     let caption =
         "Steps in contact that end early, beside converged ones (the first of each scene)";
@@ -64,9 +70,12 @@ pub(super) fn compare(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     study.findings.answer(
         "In contact, projective dynamics or the implicit step cut short?",
         format!(
-            "The fastest step whose fall is right to 2 %, beside projective dynamics at its default and a converged step: {}.",
-            told.join("; ")
+            "The first to be right to {}: {}. Time of a step, and how far the fall is off that of converged steps:",
+            percent(RIGHT),
+            first.join(", ")
         ),
+        Some(told),
+        "table-decision-shortened",
     );
     Ok(())
 }
@@ -89,7 +98,7 @@ fn compare_on(
     let case = |end: &End| format!("{} on {}, {}", end.method, end.scene, end.end);
     let found = study.grid(ends, case, |end| {
         let (method, settings) = (Method::find(end.method)?, Settings::of(end.end));
-        Drape::measure(&scene, scope, method, &settings, (DT, steps(scope)))
+        Drape::measure(&scene, scope, method, &settings)
     });
     let mut converged = None;
     for (end, drape) in found {
@@ -109,31 +118,37 @@ fn compare_on(
     Ok(())
 }
 
-/// What is said of one scene.
-fn tell(scene: &str, rows: &[(End, Given)]) -> String {
-    let say = |(End { method, end, .. }, given): &(&End, &Given)| {
-        let (ms, off) = (
-            given.ms.map_or_else(String::new, two),
-            given.off.unwrap_or(0.0),
-        );
-        let sign = if off < 0.0 { "−" } else { "+" };
-        format!(
-            "{method} with {end} ({ms} ms, {sign}{})",
-            percent(off.abs())
-        )
-    };
+/// The end that `pd` has by default.
+const PD_DEFAULT: &str = "velocity_tolerance=1e-1";
+
+/// The fastest that is right on one scene.
+fn fastest(rows: &[(End, Given)]) -> Option<&(End, Given)> {
     let is_right = |given: &Given| given.off.is_some_and(|off| off.abs() < RIGHT);
     let right = rows.iter().filter(|(_, given)| is_right(given));
-    let in_time = |a: &&(End, Given), b: &&(End, Given)| {
-        let order = a.1.ms.partial_cmp(&b.1.ms);
-        order.unwrap_or(Ordering::Equal)
+    right.min_by(|a, b| a.1.ms.partial_cmp(&b.1.ms).unwrap_or(Ordering::Equal))
+}
+
+/// The same in words, projective dynamics at its default, and the converged one.
+fn tell(rows: &[(End, Given)]) -> [Cell; 3] {
+    let say = |given: &Given| {
+        let ms = given.ms.map_or_else(String::new, two);
+        match given.off {
+            None => "not run".into(),
+            Some(0.0) => format!("{ms} ms"),
+            Some(off) if off < 0.0 => format!("{ms} ms, −{}", percent(-off)),
+            Some(off) => format!("{ms} ms, +{}", percent(off)),
+        }
     };
-    let fastest = right.min_by(in_time);
-    let default = rows.iter().find(|(end, _)| end.method == "pd");
-    let converged = rows.first();
-    let shown = [fastest, default, converged].into_iter().flatten();
-    let shown: Vec<String> = shown.map(|(end, given)| say(&(end, given))).collect();
-    format!("{scene}: {}", shown.join(", "))
+    let first = fastest(rows)
+        .map(|(end, given)| Cell::said(format!("{} with {}: {}", end.method, end.end, say(given))));
+    let default = rows.iter().find(|(end, _)| end.end == PD_DEFAULT);
+    let short =
+        |row: Option<&(End, Given)>| row.map_or(Cell::Missing, |(_, given)| Cell::said(say(given)));
+    [
+        first.unwrap_or_default(),
+        short(default),
+        short(rows.first()),
+    ]
 }
 
 /// m, over all vertices.

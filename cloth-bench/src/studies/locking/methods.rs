@@ -128,16 +128,15 @@ pub fn make(case: &Case) -> Result<Made, BenchError> {
     })
 }
 
-/// The angle of the fold over the exact one (dimensionless), by a method at its published setting.
+/// The angle of the fold over the exact one (dimensionless), by a method as [`by_pattern`] sets it.
 ///
 /// # Errors
 /// [`BenchError::Failed`] with the method's own error, or if the sheet does not come to rest.
 pub fn fold_angle(name: &str, cells: usize) -> Result<Real, BenchError> {
-    let made = make(&Case {
-        variant: Variant::default_of(Method::find(name)?),
-        pattern: "alternating",
-        cells,
-    })?;
+    let is_it = |case: &Case| case.variant.method() == name && case.pattern == "alternating";
+    let case = by_pattern(cells).into_iter().find(is_it);
+    let unknown = || BenchError::Failed(format!("`{name}` makes no fold"));
+    let made = make(&case.ok_or_else(unknown)?)?;
     match made.steps_to_rest {
         Some(_) => Ok(made.fold_angle_over_exact),
         None => Err(BenchError::Failed(format!(

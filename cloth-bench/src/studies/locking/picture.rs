@@ -1,10 +1,12 @@
-//! What locking looks like: one sheet, folded along the diagonals of its mesh and across them. Above each fold the flat
+//! What locking looks like: one sheet, folded along the diagonals of its mesh and across them. Beside each fold the flat
 //! mesh with the lengths that are held and the line it is folded about.
 
 use super::fold::{self, Axis, Fold};
 use super::sheet::{Kind, Sheet};
+use crate::bounds::bounds;
+use crate::report::canvas::{WIDTH, wrap};
 use crate::report::html::base64;
-use crate::report::render::{Surface, View, render_row};
+use crate::report::render::{Surface, View, render};
 use crate::studies::prelude::*;
 use cloth_core::topology::EdgeTable;
 use std::fmt::Write;
@@ -13,7 +15,7 @@ const CELLS: usize = 16;
 /// Y (N/m) and D (N·m): a thin cloth that would hang down almost straight.
 pub const STIFFNESS: [Real; 2] = [1e6, 2e-4];
 
-/// A picture: its name, its title, and its columns.
+/// A picture: its name, its title, and its rows.
 type Picture = (&'static str, &'static str, [(&'static str, Axis, Kind); 3]);
 
 const ONE_CLOTH: Picture = (
@@ -107,16 +109,15 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let (name, ..) = picture;
         let svg = study.cases.case(name, || draw(&picture));
         if let Some(svg) = study.findings.unless_failed(name, svg) {
-            study.findings.section.plots.push(svg.clone());
-            study.findings.plots.push((name.into(), svg));
+            study.findings.section.plots.push((name.into(), svg));
         }
     }
     Ok(())
 }
 
-fn draw((_, title, columns): &Picture) -> Result<String, BenchError> {
+fn draw((_, title, rows): &Picture) -> Result<String, BenchError> {
     let mut shapes = Vec::new();
-    for &(_, axis, kind) in columns {
+    for &(_, axis, kind) in rows {
         // A stiff sheet let go on the exact fold, where it does not fit, springs anywhere. One that gets stiffer where
         // it hangs does not.
         let [modulus, rigidity] = STIFFNESS;
@@ -146,96 +147,77 @@ fn draw((_, title, columns): &Picture) -> Result<String, BenchError> {
             sheet: folded.sheet,
         });
     }
-    compose(title, columns, &shapes)
+    compose(title, rows, &shapes)
 }
 
-/// Width of a column, and where its rows begin (px).
-const COLUMN: Real = 300.0;
+/// Width of the figure (px).
+const WIDE: Real = WIDTH as Real;
+/// Height of what is shown of one sheet, side of its flat mesh, and where its fold is, and how large (px).
+const TALL: Real = 262.0;
 const FLAT: Real = 130.0;
-const ROWS: [Real; 5] = [34.0, 76.0, 92.0, 232.0, 518.0];
+const FOLDED: [Real; 4] = [190.0, 46.0, 270.0, 206.0];
+
+const EXPLAINED: &str = "Left: the flat sheet with its triangles (thin), the lengths that its membrane keeps (thick) and the \
+    line along which it is held (dashed). Right: the same sheet under its own weight, seen along that line.";
 
 fn compose(
     headline: &str,
-    columns: &[(&str, Axis, Kind)],
+    rows: &[(&str, Axis, Kind)],
     shapes: &[Shape],
 ) -> Result<String, BenchError> {
-    let surfaces: Vec<[Surface<'_>; 1]> = shapes
-        .iter()
-        .map(|shape| {
-            [Surface::cloth(
-                &shape.vertices,
-                shape.sheet.mesh.triangles(),
-            )]
-        })
-        .collect();
-    let tiles: Vec<&[Surface<'_>]> = surfaces.iter().map(|s| &s[..]).collect();
     let view = View {
-        width: 400,
-        height: 360,
+        width: 540,
+        height: 412,
         direction: Vec3::new(-0.35, 0.85, -0.35),
         wire: 0.5,
+        background: None,
+        bounds: Some(bounds(shapes.iter().flat_map(|s| &s.vertices).copied())),
         ..View::default()
     };
-    let png = render_row(&tiles, &view)?;
-    let width = COLUMN * shapes.len() as Real;
-    let tall = COLUMN * view.height as Real / view.width as Real;
-    let [title, names, flat, folded, told] = ROWS;
     let mut body = String::new();
-    let mut text = |x: Real, y: Real, look: &str, text: &str| {
-        let _ = write!(body, "<text x=\"{x}\" y=\"{y}\" {look}>{text}</text>");
+    let mut top = 30.0;
+    let mut text = |y: Real, look: &str, words: &str| {
+        let _ = write!(body, "<text x=\"20\" y=\"{y}\" {look}>{words}</text>");
     };
-    text(
-        20.0,
-        title,
-        "font-size=\"18\" font-weight=\"bold\"",
-        headline,
-    );
-    for (column, (shape, (name, ..))) in shapes.iter().zip(columns).enumerate() {
-        let middle = COLUMN * (column as Real + 0.5);
-        let centred = "text-anchor=\"middle\" font-size=\"14\"";
-        text(
-            middle,
-            names,
-            &format!("{centred} font-weight=\"bold\""),
-            name,
-        );
+    for line in wrap(headline, 16, WIDTH - 80) {
+        text(top, "font-size=\"16\" font-weight=\"bold\"", &line);
+        top += 22.0;
+    }
+    let first = top;
+    for (shape, (name, ..)) in shapes.iter().zip(rows) {
         let exact = shape.exact.exact_angle();
         let (words, colour) = judged(shape.angles, exact, shape.bending);
+        let bold = "font-size=\"14\" font-weight=\"bold\"";
+        text(top + 20.0, bold, name);
+        text(top + 38.0, &format!("{bold} fill=\"{colour}\""), &words);
+        top += TALL;
         text(
-            middle,
-            told,
-            &format!("{centred} font-weight=\"bold\" fill=\"{colour}\""),
-            &words,
-        );
-        text(
-            middle,
-            told + 20.0,
-            &format!("{centred} fill=\"#5a626b\""),
-            &format!("a cloth that cannot stretch: {exact:.0}°"),
+            top - 14.0,
+            "font-size=\"12\" fill=\"#5a626b\"",
+            &format!("unstretchable: {exact:.0}°"),
         );
     }
-    let explained = [
-        "Above: the flat sheet with its triangles (thin), the lengths that its membrane keeps (thick) and the line along which it is held (dashed).",
-        "Below: the same sheet under its own weight, seen along that line.",
-    ];
-    for (line, words) in explained.into_iter().enumerate() {
-        let look = "font-size=\"12\" fill=\"#5a626b\"";
-        text(20.0, told + 52.0 + 17.0 * line as Real, look, words);
+    for line in wrap(EXPLAINED, 12, WIDTH - 40) {
+        top += 17.0;
+        text(top, "font-size=\"12\" fill=\"#5a626b\"", &line);
     }
-    for (column, (shape, &(_, axis, _))) in shapes.iter().zip(columns).enumerate() {
-        let left = COLUMN * (column as Real + 0.5) - 0.5 * FLAT;
-        body += &flat_mesh(&shape.sheet, axis, [left, flat])?;
+    for (row, (shape, &(_, axis, _))) in shapes.iter().zip(rows).enumerate() {
+        let above = first + TALL * row as Real;
+        body += &flat_mesh(&shape.sheet, axis, [20.0, above + 70.0])?;
+        let cloth = Surface::cloth(&shape.vertices, shape.sheet.mesh.triangles());
+        let png = base64(&render(&[cloth], &view)?);
+        let [x, y, width, height] = FOLDED;
+        let y = above + y;
+        let _ = write!(
+            body,
+            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" href=\"data:image/png;base64,{png}\"/>"
+        );
     }
-    let _ = write!(
-        body,
-        "<image x=\"0\" y=\"{folded}\" width=\"{width}\" height=\"{tall}\" href=\"data:image/png;base64,{}\"/>",
-        base64(&png)
-    );
-    let height = told + 82.0;
+    let height = top + 16.0;
     Ok(format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDE}\" height=\"{height}\" viewBox=\"0 0 {WIDE} {height}\" role=\"img\" \
          aria-label=\"{headline}\" fill=\"#22262b\" font-family=\"system-ui, 'DejaVu Sans', sans-serif\">\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>{body}</svg>\n"
+         <rect width=\"{WIDE}\" height=\"{height}\" fill=\"#fff\"/>{body}</svg>\n"
     ))
 }
 

@@ -129,7 +129,13 @@ pub(super) fn swings(
     progress: &mut dyn FnMut(&str),
 ) -> Result<(), BenchError> {
     let mut table = Table::default();
-    let mut judged = Vec::new();
+    let columns = [
+        "vertices",
+        "the better",
+        "implicit Euler, cut short",
+        "projective dynamics",
+    ];
+    let mut judged = Table::new(&columns);
     for &n in sizes(scope) {
         progress(&format!("projective: five seconds, {n} × {n}"));
         let converged = Swing::of(n, EULER, &Settings::of(CONVERGED))?;
@@ -163,7 +169,8 @@ pub(super) fn swings(
                 rows.push((label, method, push(label, &swing)));
             }
         }
-        judged.push(verdict(n, &rows));
+        let sheet = Cell::said(format!("{n} × {n}"));
+        judged.line(sheet, verdict(&rows).map(Cell::said));
     }
     findings.table(
         "projective-swing",
@@ -172,36 +179,37 @@ pub(super) fn swings(
     );
     findings.answer(
         "Is the implicit Euler step, cut short, better than projective dynamics at equal time?",
-        judged.join(" "),
+        format!(
+            "The fastest of either whose mean kinetic energy is within {} and whose mean stretch is within {} of converged implicit Euler's after five seconds:",
+            percent(KINETIC),
+            percent(STRETCH)
+        ),
+        Some(judged),
+        "table-projective-swing",
     );
     Ok(())
 }
 
-/// Which of the two gets a swing right first, and what that takes.
+/// Which of the two gets a swing right first, and what that takes either.
 #[must_use]
-pub fn verdict(n: u32, rows: &[(&str, &str, Errors)]) -> String {
+pub fn verdict(rows: &[(&str, &str, Errors)]) -> [String; 3] {
     let cheapest = |wanted: &str| {
         let good = rows
             .iter()
             .filter(|row| row.1 == wanted && row.2.are_small());
         good.min_by(|a, b| a.2.ms.total_cmp(&b.2.ms))
     };
-    let show = |(label, _, errors): &(&str, &str, Errors)| {
-        let [kinetic, stretch] = [errors.kinetic, errors.stretch].map(|part| 100.0 * part);
-        format!(
-            "{label}, {:.1} ms a step, kinetic energy {kinetic:+.0} %, stretch {stretch:+.0} %",
-            errors.ms
-        )
+    let show = |row: Option<&(&str, &str, Errors)>| {
+        row.map_or("none".into(), |(label, _, errors)| {
+            format!("{label}: {} ms", two(errors.ms))
+        })
     };
     let [pd, euler] = [PD, EULER].map(cheapest);
-    let (answer, euler, pd) = match (pd, euler) {
-        (Some(pd), Some(euler)) if euler.2.ms <= pd.2.ms => ("yes", show(euler), show(pd)),
-        (Some(pd), Some(euler)) => ("no", show(euler), show(pd)),
-        (None, Some(euler)) => ("yes", show(euler), "none".into()),
-        (Some(pd), None) => ("no", "none".into(), show(pd)),
-        (None, None) => ("neither is right", "none".into(), "none".into()),
+    let better = match (pd, euler) {
+        (Some(pd), Some(euler)) if euler.2.ms > pd.2.ms => "projective dynamics",
+        (Some(_), None) => "projective dynamics",
+        (_, Some(_)) => "implicit Euler",
+        (None, None) => "neither",
     };
-    format!(
-        "At {n} vertices a side, {answer}. The fastest with the kinetic energy of the swing within 15 % and the mean stretch within 5 % of converged implicit Euler: cut short, {euler}; projective dynamics, {pd}."
-    )
+    [better.into(), show(euler), show(pd)]
 }

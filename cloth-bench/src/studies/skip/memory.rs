@@ -91,7 +91,6 @@ pub fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
 
 /// Every feature with every method that has it.
 pub fn features() -> impl Iterator<Item = Feature> {
-    let methods = || method::all().filter(|method| !method.is_never_stable());
     FEATURES
         .into_iter()
         .flat_map(move |(feature, of_method, settings)| {
@@ -99,7 +98,7 @@ pub fn features() -> impl Iterator<Item = Feature> {
                 let used = Settings::of(settings[2]);
                 !of_method || used.among(&method.parameters()) == used
             };
-            methods().filter(has).map(move |method| Feature {
+            method::all().filter(has).map(move |method| Feature {
                 feature,
                 method: method.name,
             })

@@ -52,19 +52,22 @@ fn published() -> Vec<Variant> {
     method::all().map(Variant::default_of).collect()
 }
 
-/// Every method that iterates, cut short after the first.
+/// Every method that iterates, cut short after the first, and the one that does so by its nature.
 fn cut_short() -> Vec<Variant> {
-    Variant::list(
+    let mut variants = Variant::list(
         "implicit-euler: iterations=1
         implicit-euler, Newton: linear=cholesky iterations=1
         implicit-midpoint: iterations=1
+        linear-implicit
         bdf2: iterations=1
         pbd: iterations=1
         xpbd: substeps=1 iterations=1
         xpbd-direct: iterations=1
         pd: iterations=1
         pd, no coarse grid: coarse=0 iterations=1",
-    )
+    );
+    variants.extend(Variant::own_that_iterate(1));
+    variants
 }
 
 /// Every method with steps that are stable, and the sweeps that compute with fewer digits.

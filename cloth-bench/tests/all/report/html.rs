@@ -54,6 +54,14 @@ fn nasty() -> Report {
     let nasty = "<script>alert(\"x\")</script> & 'more' \u{1}";
     let mut table = Table::default();
     table.push([(nasty, nasty.into())]);
+    let answer = |kind: &str| Answer {
+        question: nasty.into(),
+        answer: nasty.into(),
+        table: Some(table.clone()),
+        figure: format!("{kind}-{nasty}"),
+        section: nasty.into(),
+    };
+    let answers = ["figure", "table"].map(answer).into();
     let plot = Plot {
         title: nasty.into(),
         series: vec![Series::new(nasty, vec![(0.0, 1.0)])],
@@ -67,23 +75,19 @@ fn nasty() -> Report {
         leads: false,
         verdict: Some(nasty.into()),
         command: nasty.into(),
-        plots: vec![plot.draw().svg],
+        plots: vec![(nasty.into(), plot.draw().svg)],
         pictures: vec![Picture {
             png: vec![1, 2, 3],
             caption: nasty.into(),
         }],
         playbacks: Vec::new(),
-        tables: vec![(nasty.into(), table)],
+        tables: vec![(nasty.into(), nasty.into(), table)],
         notes: vec![nasty.into()],
     };
     Report {
         title: nasty.into(),
         facts: vec![(nasty.into(), nasty.into())],
-        answers: vec![Answer {
-            question: nasty.into(),
-            answer: nasty.into(),
-            section: nasty.into(),
-        }],
+        answers,
         sections: vec![section.clone(), section],
     }
 }
@@ -113,21 +117,24 @@ fn the_section_that_leads_comes_before_the_answers() {
     let at = |what: &str| html.find(what).unwrap();
     assert!(at("class=\"lead\"") < at("class=\"answers\""));
     // Its table opens it.
-    assert!(at("<table>") < at("<svg"));
+    assert!(at("id=\"table-") < at("<svg"));
     assert_eq!(html.matches("<section").count(), 2);
 }
 
+/// Contents lead to sections, and answers to their plots and tables.
 #[test]
-fn contents_lead_to_the_sections() {
+fn every_link_leads_somewhere() {
     let html = nasty().to_html();
-    let target = html
-        .split("href=\"#")
-        .nth(1)
-        .unwrap()
-        .split('"')
-        .next()
-        .unwrap();
-    assert!(html.contains(&format!("<section id=\"{target}\">")));
+    let targets = html.split("href=\"#").skip(1);
+    let targets: Vec<&str> = targets.filter_map(|rest| rest.split('"').next()).collect();
+    let places = ["<figure class=\"plot\"", "<div", "<section", "<section"];
+    assert_eq!(targets.len(), places.len());
+    for (target, place) in targets.iter().zip(places) {
+        assert!(
+            html.contains(&format!("{place} id=\"{target}\">")),
+            "{target}"
+        );
+    }
 }
 
 #[test]

@@ -48,6 +48,7 @@ fn one_iteration_a_step_does_not_always_serve() {
         ("pbd", 1e6, [1, 1, 1]),
         ("pd", 1e2, [2, 2, 0]),
         ("pd, no coarse grid", 1e2, [0, 0, 0]),
+        ("linear-implicit", 1e2, [0, 0, 2]),
     ] {
         let cut_short = cut_short.iter().find(|one| one.label == label).unwrap();
         assert_eq!(row(cut_short, stiffness), expected, "{label}");

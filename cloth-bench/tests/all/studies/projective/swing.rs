@@ -38,11 +38,9 @@ fn the_faster_of_those_that_are_right_is_the_answer() {
         ("long", PD, errors(-0.14, 0.04, 3.0)),
         ("newton", EULER, errors(-0.03, 0.01, 2.0)),
     ];
-    assert!(verdict(64, &rows).starts_with("At 64 vertices a side, yes. "));
-    assert!(verdict(64, &rows).ends_with(
-        "projective dynamics, long, 3.0 ms a step, kinetic energy -14 %, stretch +4 %."
-    ));
+    let told = ["implicit Euler", "newton: 2 ms", "long: 3 ms"];
+    assert_eq!(verdict(&rows), told);
     let slower = [rows[1], ("newton", EULER, errors(-0.03, 0.01, 4.0))];
-    assert!(verdict(64, &slower).starts_with("At 64 vertices a side, no. "));
-    assert!(verdict(64, &rows[..1]).contains("neither"));
+    assert_eq!(verdict(&slower)[0], "projective dynamics");
+    assert_eq!(verdict(&rows[..1]), ["neither", "none", "none"]);
 }
