@@ -104,7 +104,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     );
     study.findings.section.tables.push((caption, shown));
     study.findings.section.pictures = strip(scope, &rows)?;
-    let qualities = method::all().filter_map(Method::qualities);
+    let qualities = method::all().map(Method::qualities);
     study.findings.table(
         "decision-qualities",
         "What no measurement says",

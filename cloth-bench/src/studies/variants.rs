@@ -1,7 +1,15 @@
 //! Methods with settings of their own, as lines of text.
 
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::settings::Settings;
+
+/// The methods of your own that can be told how often to iterate towards the step of implicit Euler.
+pub(super) fn iterating_own() -> impl Iterator<Item = &'static Method> {
+    method::own().iter().filter(|own| {
+        let mut all = own.parameters().into_iter().flatten();
+        own.aims_at_implicit_euler() && all.any(|one| one.name == "iterations")
+    })
+}
 
 /// A method with some of its settings, and what it is called.
 #[derive(Clone, Debug)]
@@ -34,6 +42,13 @@ impl Variant {
         };
         let lines = lines.lines().filter(|line| !line.trim().is_empty());
         lines.map(variant).collect()
+    }
+
+    /// Of [`iterating_own`] the default, and what they name beside it.
+    #[must_use]
+    pub fn of_own() -> Vec<Self> {
+        let variants = |own: &Method| [vec![Self::default_of(own)], own.variants()].concat();
+        iterating_own().flat_map(variants).collect()
     }
 
     /// The name of the method.

@@ -22,19 +22,11 @@ pub fn iterated(scope: Scope) -> Vec<Variant> {
         pbd, Chebyshev: substeps=1 chebyshev=auto projection=1 iterations={accelerated}
         pbd, coarse levels: substeps=1 projection=1 hierarchy=10 iterations={accelerated}"
     ));
-    let iterates = |own: &Method| {
-        own.parameters()
-            .into_iter()
-            .flatten()
-            .any(|one| one.name == "iterations")
+    let iterations = |mut own: Variant| {
+        own.settings = own.settings.with("iterations", accelerated);
+        own
     };
-    let own = method::own()
-        .iter()
-        .filter(|own| own.aims_at_implicit_euler() && iterates(own));
-    variants.extend(own.map(|own| Variant {
-        settings: Settings::of(&format!("iterations={accelerated}")),
-        ..Variant::default_of(own)
-    }));
+    variants.extend(Variant::of_own().into_iter().map(iterations));
     variants
 }
 
