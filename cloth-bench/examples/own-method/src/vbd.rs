@@ -168,7 +168,7 @@ impl VertexBlockDescent {
                 &self.incidence,
                 vertices,
                 &self.x,
-                Convexity::Clamp,
+                Convexity::Abs,
                 gradient,
                 hessian,
             );
@@ -219,24 +219,25 @@ impl VertexBlockDescent {
         }
     }
 
-    /// From the first guess downwards. Returns how often an iterate was higher than the one before it.
+    /// From the first guess downwards.
     fn iterate(
         &mut self,
         input: &mut StepInput<'_>,
         contact: &mut Option<&mut dyn ContactPotential>,
-    ) -> Result<u32, ContactError> {
+    ) -> Result<StepReport, ContactError> {
         let dt = input.dt;
         let radius = self.config.chebyshev_radius;
         let mut least = self.begin(dt, contact)?;
-        let mut backtracks = 0;
+        let mut report = StepReport::new(Outcome::BudgetSpent, 0);
         if contact.is_some() || least.is_finite() {
-            backtracks = self.descend(dt, contact, &mut least);
+            report.backtracks = self.descend(dt, contact, &mut least);
         }
         let (mut omega, mut extrapolated) = (1.0, 0);
         for iteration in 1..=self.config.iterations {
             std::mem::swap(&mut self.earlier, &mut self.before);
             self.before.copy_from_slice(&self.x);
             self.sweep(dt);
+            report.iterations = iteration;
             if radius > 0.0 {
                 omega = match extrapolated {
                     0 => 1.0,
@@ -253,16 +254,19 @@ impl VertexBlockDescent {
             }
             if contact.is_some() || extrapolated > 1 {
                 let halved = self.descend(dt, contact, &mut least);
+                report.backtracks += halved;
+                if halved > HALVINGS && extrapolated <= 1 {
+                    break; // the next sweep would be the same
+                }
                 if halved > 0 {
                     extrapolated = 0;
                 }
-                backtracks += halved;
             }
             if let Some(observer) = &mut input.observer {
                 observer.iteration(iteration, &self.x);
             }
         }
-        Ok(backtracks)
+        Ok(report)
     }
 
     /// Begins contact where the cloth is, and goes towards the first guess as far as is free of crossings. Returns the
@@ -353,7 +357,7 @@ impl Stepper for VertexBlockDescent {
                 return Err(StepError::ContactNotFelt { remedy });
             }
         }
-        let backtracks = self.iterate(&mut input, &mut contact).map_err(failed)?;
+        let report = self.iterate(&mut input, &mut contact).map_err(failed)?;
         for v in 0..self.x.len() {
             self.velocities[v] = (self.x[v] - state.positions[v]) / dt;
         }
@@ -370,9 +374,6 @@ impl Stepper for VertexBlockDescent {
         state.velocities.copy_from_slice(&self.velocities);
         state.time += dt;
         state.steps = step;
-        Ok(StepReport {
-            backtracks,
-            ..StepReport::new(Outcome::BudgetSpent, self.config.iterations)
-        })
+        Ok(report)
     }
 }

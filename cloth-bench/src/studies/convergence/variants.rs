@@ -23,7 +23,7 @@ pub fn iterated(scope: Scope) -> Vec<Variant> {
         pbd, coarse levels: substeps=1 projection=1 hierarchy=10 iterations={accelerated}"
     ));
     let iterations = |mut own: Variant| {
-        own.settings = own.settings.with("iterations", accelerated);
+        own.settings = own.settings.with("iterations", sweeps);
         own
     };
     variants.extend(Variant::of_own().into_iter().map(iterations));
