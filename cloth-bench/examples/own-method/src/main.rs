@@ -3,17 +3,17 @@
 //! ```sh
 //! cd cloth-bench/examples/own-method
 //! cargo run --release -- list
-//! cargo run --release -- run hang --method vbd --n 64                      # small parts of a step, as many as the mesh asks for
-//! cargo run --release -- run hang --method vbd --set substeps=1            # as the comparison has it: 100 sweeps a step
-//! cargo run --release -- run drape-sphere --method vbd --set stiffness_damping=1e-4
-//! cargo run --release -- study convergence --quick --tables                # iterations and ms to errors of 1e-1, 1e-2, 1e-3
-//! cargo run --release -- study                                             # the whole report, with this method in it
+//! cargo run --release -- run hang --method vbd --n 64             # as many parts of a step as the mesh asks for
+//! cargo run --release -- run hang --method vbd --set substeps=1   # as the studies compare it: 100 sweeps a step
+//! cargo run --release -- run ../../scenes/ball.toml --method vbd --watch
+//! cargo run --release -- study convergence --tables               # iterations and ms to errors of 1e-1, 1e-2, 1e-3
+//! cargo run --release -- study                                    # the whole report, with this method in it
 //! ```
 //!
 //! [`vbd`] is the method, [`contact`] how a vertex sees what touches it. All that the comparison has to be told of a
 //! method stands here: what can be set, how it is built, its colour, and which variants are worth a line of their own.
-//! It is then in every study that compares methods; those about one method (`xpbd-floor`, `sag`, `projective`, `newton`)
-//! and about one element (`bending`) have no other one in them.
+//! It is then in every study that compares methods. The others are about one method (`xpbd-floor`, `sag`, `projective`,
+//! `newton`) or about elements (`bending`).
 
 mod contact;
 mod vbd;
@@ -71,8 +71,8 @@ const LEAST_ACCELERATED: u32 = 20;
 fn build(scene: &Scene, settings: &Settings, dt: f64) -> Result<Box<dyn Stepper>, BenchError> {
     if !scene.volumes.is_empty() {
         return Err(BenchError::usage(
-            "`vbd` cannot take bulk_modulus: the pressure of a sealed volume couples all of its vertices, and one moves at \
-             a time; implicit-euler, pd and xpbd can",
+            "`vbd` cannot take bulk_modulus: the pressure of a sealed volume couples all of its vertices, and one \
+             moves at a time; implicit-euler, pd and xpbd can",
         ));
     }
     let own = Vbd::read(settings)?;

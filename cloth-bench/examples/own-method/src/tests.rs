@@ -74,6 +74,15 @@ fn it_has_one_look_that_no_other_method_has() {
     }
 }
 
+/// One plain sweep a step, undamped.
+const CONFIG: VbdConfig = VbdConfig {
+    iterations: 1,
+    substeps: 1,
+    chebyshev_radius: 0.0,
+    air_drag: 0.0,
+    stiffness_damping: 0.0,
+};
+
 #[test]
 fn a_damped_oscillator_follows_the_closed_form_of_implicit_euler() {
     let (omega, drag, beta, dt) = (7.0, 0.9, 0.013, 0.1);
@@ -84,11 +93,9 @@ fn a_damped_oscillator_follows_the_closed_form_of_implicit_euler() {
     };
     let energies = Energies::new(1).with(vec![attachment]).unwrap();
     let config = VbdConfig {
-        iterations: 1,
-        substeps: 1,
-        chebyshev_radius: 0.0,
         air_drag: drag,
         stiffness_damping: beta,
+        ..CONFIG
     };
     let particles = Particles::new(vec![1.0]).unwrap();
     let mut vbd = VertexBlockDescent::new(&particles, energies, config);
@@ -103,6 +110,31 @@ fn a_damped_oscillator_follows_the_closed_form_of_implicit_euler() {
         x += dt * v;
         assert!((state.positions[0].x - x).abs() < 1e-14);
         assert!((state.velocities[0].x - v).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn the_first_guess_has_as_much_of_gravity_as_the_last_step_had() {
+    let (dt, gravity) = (0.1, Vec3::new(0.0, 0.0, -9.81));
+    let config = VbdConfig {
+        iterations: 0,
+        substeps: 2,
+        ..CONFIG
+    };
+    for (last, fraction) in [(0.5, 0.5), (0.25, 0.25), (2.0, 1.0), (-1.0, 0.0)] {
+        let particles = Particles::new(vec![1.0]).unwrap();
+        let mut vbd = VertexBlockDescent::new(&particles, Energies::new(1), config);
+        let mut state = State::at_rest(vec![Vec3::zeros()]);
+        // Nothing is known of a step before, so it begins in free fall.
+        vbd.step(&mut state, StepInput::new(dt).gravity(gravity))
+            .unwrap();
+        assert!((state.positions[0] - gravity * (dt * dt)).norm() < 1e-15);
+        // It began at rest, and this is as if the sweeps had left so much of the acceleration.
+        state.velocities[0] = gravity * (last * dt);
+        vbd.step(&mut state, StepInput::new(dt).gravity(gravity))
+            .unwrap();
+        let expected = gravity * (dt * dt * (1.0 + last + fraction));
+        assert!((state.positions[0] - expected).norm() < 1e-15, "{last}");
     }
 }
 

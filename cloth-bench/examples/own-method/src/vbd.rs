@@ -17,11 +17,60 @@
 //! | `fᵢ = −mᵢ/Δt² (xᵢ − yᵢ) − Σⱼ ∂Eⱼ/∂xᵢ` (9) | [`Energies::add_at_vertices`], the gradient |
 //! | `Hᵢ = mᵢ/Δt² I + Σⱼ ∂²Eⱼ/∂xᵢ²` (10) | the same, the Hessian |
 //! | vertices of one colour share no element | [`Energies::vertex_colors`] |
-//! | start between xₜ + Δt vₜ and y (section 3.7) | `VertexBlockDescent::start` |
+//! | `fᵢ ← fᵢ − k_d/Δt Kᵢ (xᵢ − xₜᵢ)`, `Hᵢ ← Hᵢ + k_d/Δt Kᵢ` (section 3.3) | `stiffness_damping`, see below |
+//! | contacts are terms of E (section 3.5), and friction (3.6) | [`crate::contact`] |
+//! | first guess between xₜ + Δt vₜ and y (section 3.7) | `VertexBlockDescent::predict` |
 //! | `x⁽ᵏ⁺¹⁾ ← ω (x⁽ᵏ⁺¹⁾ − x⁽ᵏ⁻¹⁾) + x⁽ᵏ⁻¹⁾` (18), `ω ← 4/(4 − ρ²ω)` (19) | `VertexBlockDescent::accelerate` |
 //!
-//! Elements are projected to positive semi-definite Hessians, so Hᵢ is positive definite and Δxᵢ goes down; the paper
-//! keeps the indefinite ones, and skips a vertex where Hᵢ is nearly singular.
+//! The paper keeps indefinite Hessians, and skips a vertex where Hᵢ is nearly singular. Here negative eigenvalues of
+//! elements count by their absolute values, so Hᵢ is positive definite and Δxᵢ goes down. With zeros in their place a
+//! vertex between compressed springs has nothing but its inertia across them, and leaps: steps that are accelerated in
+//! contact then come to a halt where no sweep leads down.
+//!
+//! # First guess
+//!
+//! A sweep moves a vertex among its neighbours; what all of them have in common it hardly changes. So the guess
+//! decides. In the sixteenth step of the hanging sheet of 64 × 64 vertices (10⁴ N/m, Δt = 1/60 s) ten plain sweeps
+//! leave, of `(G − G*)/(G(y) − G*)`, 1.35 from xₜ, 0.19 from y and 0.11 from xₜ + Δt vₜ. The adaptive guess takes as
+//! much of the acceleration a from outside as the last step had of it, vertex by vertex: falling cloth begins at y,
+//! which is exact for it, and hanging cloth at xₜ + Δt vₜ.
+//!
+//! Where G is higher at the guess than at xₜ, the cloth would have more energy there than it has. A hundred sweeps do
+//! not take it away: a falling sheet of 64 × 64 vertices kept 39 J as strain, where gravity had given 0.8 J. Such a
+//! guess is brought half-way back until G is no higher. What is left then is the opposite: the sheet floats, and has
+//! fallen 0.15 m after half a second instead of 0.50 m.
+//!
+//! # Small parts of a step
+//!
+//! How many sweeps a step needs is decided by k Δt²/m, 57,000 for that sheet. Small steps divide it by their square,
+//! small parts of a step as well; this is what XPBD does, and its rule for their number holds here too, since a sweep
+//! of either leaves a spring longer by what its neighbour moves. So a run takes `substeps=auto`, one sweep or a few in
+//! each: that sheet falls 0.480 m in 177 parts, stretched by 2.4 %, and holds no energy that it was not given, for the
+//! time of 177 sweeps. A guess for a small part is near, and taken as it is. The studies compare
+//! `substeps=1`, 100 sweeps, as the paper has it, beside XPBD with its published 20 substeps.
+//!
+//! # Acceleration
+//!
+//! The extrapolation (18) diverges from some ρ on, for these sheets from 0.99, short of the spectral radius of their
+//! sweeps. So an iterate higher than the one before it is brought half-way back to that, and ω begins at 1 again. Then
+//! no ρ diverges, and the error left of the same step, of the drape with contact at 25 × 25 vertices at last, is
+//!
+//! | ρ | 32 × 32: 20, 100 sweeps | 64 × 64: 20, 100 | 128 × 128: 20, 100 | contact: 20, 100 |
+//! |---|---|---|---|---|
+//! | 0 | 0.077, 0.045 | 0.112, 0.064 | 0.312, 0.088 | 0.86, 0.67 |
+//! | 0.95 | 0.055, 0.031 | 0.075, 0.047 | 0.111, 0.062 | 0.76, 0.33 |
+//! | 0.99 | 0.056, 0.023 | 0.071, 0.037 | 0.098, 0.051 | 0.65, 0.15 |
+//!
+//! so 0.99 is the default. After five sweeps it may be worse than none (0.22 beside 0.14 at 32 × 32): fewer than 20 are
+//! not accelerated. The guard takes one energy an iteration, a fifth of its time.
+//!
+//! # Damping
+//!
+//! The paper damps a vertex by its own block, `k_d/Δt Kᵢ (xᵢ − xₜᵢ)` with `Kᵢ = Σⱼ ∂²Eⱼ/∂xᵢ²`, as if its neighbours
+//! stood still: cloth that flies is held back as well. Here the whole force of the elements is damped, by its change
+//! over the step, `β/Δt (∂E/∂x(x) − ∂E/∂x(xₜ))`: for small steps −β K v, the `stiffness_damping` of the implicit
+//! integrators, whose closed form an oscillator follows. Hᵢ is the paper's with k_d = β, there is a term of G for it,
+//! and what moves as a rigid body keeps its speed. `air_drag` is −α m v.
 //!
 //! # Contact
 //!
@@ -34,11 +83,11 @@
 //! # Limits
 //!
 //! - In one iteration a vertex hears of its neighbours, and through the colours of a few beyond: stiff or fine cloth
-//!   needs many iterations, or a small Δt, for which `m/Δt²` outweighs the stiffness. Cut short, cloth is too soft.
+//!   needs many iterations, or small parts of a step. Cut short, it floats.
 //! - Cut short, momentum is not conserved either: what one vertex takes up its neighbour has not given.
-//! - In hard contact a start that the cloth is truncated to may lie so near something that a hundred iterations leave
-//!   more energy than the step had: a sheet of 33 × 33 vertices on a sphere holds twice what gravity has given, once.
-//! - Damping (section 3.5) is not here: what the method loses is implicit Euler's.
+//! - The guards bound G, and with it the potential energy after a step by all energy before it. They do not bound the
+//!   kinetic energy.
+//! - A sealed volume couples all of its vertices, and is refused.
 
 use crate::contact::LinearizedContact;
 use cloth_core::contact::{ContactError, ContactPotential, ContactStep, GlobalRows};
@@ -299,8 +348,8 @@ impl VertexBlockDescent {
         Ok(most)
     }
 
-    /// Linearises contact at the iterate, and goes half-way back to the one before as long as G is above the `least` (J)
-    /// so far: a barrier is steeper than what has been linearised farther away. Returns how often.
+    /// Linearises contact at the iterate, and goes half-way back to the one before as long as G is above the `least`
+    /// (J) so far: a barrier is steeper than what has been linearised farther away. Returns how often.
     fn descend(
         &mut self,
         dt: Real,
