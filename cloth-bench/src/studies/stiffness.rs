@@ -1,6 +1,5 @@
 //! How stiff a material is as simulated, against iterations and step size.
 
-use super::variants::iterating_own;
 use crate::laws::{Stretched, fixed_projection};
 use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;

@@ -2,7 +2,6 @@
 
 use crate::studies::cases::LazyCell;
 use crate::studies::prelude::*;
-use crate::studies::variants::iterating_own;
 use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::method::family::Energies;

@@ -54,7 +54,7 @@ fn published() -> Vec<Variant> {
 
 /// Every method that iterates, cut short after the first.
 fn cut_short() -> Vec<Variant> {
-    Variant::list(
+    let mut variants = Variant::list(
         "implicit-euler: iterations=1
         implicit-euler, Newton: linear=cholesky iterations=1
         implicit-midpoint: iterations=1
@@ -64,7 +64,13 @@ fn cut_short() -> Vec<Variant> {
         xpbd-direct: iterations=1
         pd: iterations=1
         pd, no coarse grid: coarse=0 iterations=1",
-    )
+    );
+    let one = |own| Variant {
+        settings: Settings::of("iterations=1"),
+        ..Variant::default_of(own)
+    };
+    variants.extend(iterating_own().map(one));
+    variants
 }
 
 /// Every method with steps that are stable, and the sweeps that compute with fewer digits.
