@@ -126,10 +126,12 @@ fn a_damped_oscillator_follows_the_closed_form_of_implicit_euler() {
     }
 }
 
-/// In parts of a step it has the last acceleration itself: cloth on a slope would else hardly slide.
+/// The first guess has the last acceleration itself where something touches: cloth would else slide too slowly.
 #[test]
 fn cloth_slides_down_a_slope_as_the_closed_form_says() {
     let _ = cloth_bench::method::register(&[VBD]);
+    let stuck = slide("vbd", 10.0).unwrap().measured.0;
+    assert!(stuck < 1e-4, "{stuck} m");
     for degrees in [20.0, 40.0] {
         let found = slide("vbd", degrees).unwrap();
         let (expected, measured) = (found.expected.0, found.measured.0);
@@ -141,20 +143,11 @@ fn cloth_slides_down_a_slope_as_the_closed_form_says() {
 fn the_first_guess_has_as_much_of_gravity_as_the_last_step_had() {
     let (dt, gravity) = (0.1, Vec3::new(0.0, 0.0, -9.81));
     let adaptive = [(0.5, 0.5), (0.25, 0.25), (2.0, 1.0), (-3.0, 0.0)];
-    let in_parts = [
-        (0.5, 0.5),
-        (0.25, 0.25),
-        (2.0, 1.0),
-        (-0.5, -0.5),
-        (-2.0, -1.0),
-    ];
-    let adaptive = adaptive.map(|case| (1, case)).into_iter();
-    for (substeps, (last, fraction)) in adaptive.chain(in_parts.map(|case| (2, case))) {
-        let config = VbdConfig {
-            iterations: 0,
-            substeps,
-            ..CONFIG
-        };
+    let config = VbdConfig {
+        iterations: 0,
+        ..CONFIG
+    };
+    for (last, fraction) in adaptive {
         let particles = Particles::new(vec![1.0]).unwrap();
         let mut vbd = VertexBlockDescent::new(&particles, Energies::new(1), config);
         let mut state = State::at_rest(vec![Vec3::zeros()]);
