@@ -155,6 +155,7 @@ impl Method {
     pub(crate) fn by_default(&self, settings: Settings) -> Settings {
         match self.kind {
             Kind::Xpbd => Settings::of("substeps=auto").then(&settings),
+            Kind::Own(own) => Settings::of(own.by_default).then(&settings),
             _ => settings,
         }
     }

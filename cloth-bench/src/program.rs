@@ -22,11 +22,10 @@ struct Arguments {
 /// use cloth_bench::method::{Method, OwnMethod};
 ///
 /// const MINE: Method = Method::own(OwnMethod {
-///     name: "mine",
-///     about: "nothing moves",
-///     parameters: &[],
-///     build: |_, _, _| Err(cloth_bench::error::BenchError::Usage("to be written".into())),
 ///     aims_at_implicit_euler: true,
+///     ..OwnMethod::new("mine", "nothing moves", |_, _, _| {
+///         Err(cloth_bench::error::BenchError::Usage("to be written".into()))
+///     })
 /// });
 ///
 /// fn main() -> std::process::ExitCode {

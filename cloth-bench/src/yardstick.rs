@@ -184,12 +184,29 @@ impl StepProblem {
             measuring: 0.0,
             samples: Vec::new(),
         };
-        let mut state = self.state.clone();
-        let input = StepInput::new(self.dt)
-            .gravity(self.gravity)
-            .observer(&mut recorder);
-        stepper.step(&mut state, input)?;
+        self.take(stepper, Some(&mut recorder))?;
         Ok(recorder.samples)
+    }
+
+    /// Takes the step, in as many parts as the method wants.
+    fn take(
+        &self,
+        stepper: &mut dyn Stepper,
+        mut observer: Option<&mut Recorder<'_>>,
+    ) -> Result<(State, StepReport), BenchError> {
+        let mut state = self.state.clone();
+        let parts = stepper.parts();
+        let mut report: Option<StepReport> = None;
+        for _ in 0..parts {
+            let mut input = StepInput::new(self.dt / Real::from(parts)).gravity(self.gravity);
+            if let Some(observer) = &mut observer {
+                input = input.observer(&mut **observer);
+            }
+            let next = stepper.step(&mut state, input)?;
+            report = Some(report.map_or(next, |report| report.and(next)));
+        }
+        let report = report.ok_or_else(|| BenchError::Failed("a step of no parts".into()))?;
+        Ok((state, report))
     }
 
     /// Takes the step with a method, unwatched; returns the error at its end, its report and the seconds it took.
@@ -200,9 +217,8 @@ impl StepProblem {
         &self,
         stepper: &mut dyn Stepper,
     ) -> Result<(StepError, StepReport, Real), BenchError> {
-        let mut state = self.state.clone();
         let started = Instant::now();
-        let report = stepper.step(&mut state, StepInput::new(self.dt).gravity(self.gravity))?;
+        let (state, report) = self.take(stepper, None)?;
         let seconds = started.elapsed().as_secs_f64();
         Ok((self.error(&state.positions), report, seconds))
     }
@@ -228,10 +244,10 @@ struct Recorder<'a> {
 }
 
 impl Observer for Recorder<'_> {
-    fn iteration(&mut self, iteration: u32, positions: &[Vec3]) {
+    fn iteration(&mut self, _: u32, positions: &[Vec3]) {
         let called = self.started.elapsed().as_secs_f64();
         self.samples.push(Sample {
-            iteration,
+            iteration: self.samples.len() as u32 + 1,
             seconds: called - self.measuring,
             error: self.problem.error(positions),
         });

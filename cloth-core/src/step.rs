@@ -23,6 +23,12 @@ pub trait Stepper: Send {
     /// If `state` or `input.load` does not have the number of vertices that the solver was built for.
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError>;
 
+    /// Into how many equal parts those who run it cut a step, each a step of its own for air, contact and pins: 1, unless
+    /// the method wants smaller steps than a scene has, and feels contact as an energy, which has no substeps.
+    fn parts(&self) -> u32 {
+        1
+    }
+
     /// From the next step on these vertices are prescribed (`true`), or free again. Returns whether the method can take
     /// notice of that as it is; if not, nothing has changed, and it has to be built anew.
     ///

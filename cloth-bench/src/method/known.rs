@@ -2,6 +2,7 @@
 
 use super::{Kind, Method};
 use crate::report::palette::{Marker, Rgb};
+use crate::studies::variants::Variant;
 use cloth_core::math::Real;
 use serde::Serialize;
 
@@ -18,10 +19,10 @@ pub(crate) struct Qualities {
 }
 
 impl Method {
-    /// Colour and marker in every plot; none for a method of one's own.
+    /// Colour and marker in every plot.
     #[must_use]
-    pub fn look(&self) -> Option<(Rgb, Marker)> {
-        Some(match self.kind {
+    pub fn look(&self) -> (Rgb, Marker) {
+        match self.kind {
             Kind::Explicit => ([0x4a, 0xad, 0xeb], Marker::Plus),
             Kind::Symplectic => ([0x3a, 0x2a, 0x8c], Marker::Star),
             Kind::Implicit => ([0xc4, 0x3e, 0x00], Marker::Diamond),
@@ -32,13 +33,21 @@ impl Method {
             Kind::Xpbd => ([0x07, 0x66, 0xb9], Marker::Circle),
             Kind::XpbdDirect => ([0x90, 0x48, 0x3c], Marker::Triangle),
             Kind::Pd => ([0x00, 0x8f, 0x6a], Marker::Triangle),
-            Kind::Own(_) => return None,
-        })
+            Kind::Own(own) => own.look,
+        }
     }
 
-    /// What no measurement says; nothing of a method of one's own.
+    /// What studies compare of a method of one's own beside its default.
+    pub(crate) fn variants(&self) -> Vec<Variant> {
+        match self.kind {
+            Kind::Own(own) => Variant::list(own.variants),
+            _ => Vec::new(),
+        }
+    }
+
+    /// What no measurement says.
     #[rustfmt::skip] // a table is read by rows
-    pub(crate) fn qualities(&self) -> Option<Qualities> {
+    pub(crate) fn qualities(&self) -> Qualities {
         let [physical_parameters, holds, in_parallel, factorises, patent] = match self.kind {
             Kind::Explicit | Kind::Symplectic => ["yes", "no", "gradients", "nothing", "none reported"],
             Kind::Implicit | Kind::LinearImplicit | Kind::Midpoint | Kind::Bdf2 =>
@@ -47,16 +56,16 @@ impl Method {
             Kind::Xpbd => ["yes, once it has converged", "no", "constraints of a colour", "nothing", "US 11,270,041"],
             Kind::XpbdDirect => ["yes", "no", "no", "its system", "as xpbd"],
             Kind::Pd => ["yes", "yes", "blocks of vertices, subtrees of the factor", "its matrix, anew for another step size", "none reported"],
-            Kind::Own(_) => return None,
+            Kind::Own(own) => own.qualities,
         };
-        Some(Qualities {
+        Qualities {
             method: self.name,
             physical_parameters,
             holds_and_lets_go_without_a_new_solver: holds,
             in_parallel,
             factorises,
             patent,
-        })
+        }
     }
 
     /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against
@@ -102,6 +111,7 @@ impl Method {
             Kind::Implicit | Kind::LinearImplicit | Kind::Pd | Kind::Xpbd | Kind::XpbdDirect => {
                 Some((1.0 + z * z).powf(-count))
             }
+            Kind::Own(own) if own.aims_at_implicit_euler => Some((1.0 + z * z).powf(-count)),
             Kind::Midpoint => Some(1.0),
             _ => None,
         }

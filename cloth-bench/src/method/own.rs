@@ -6,6 +6,7 @@
 
 use super::{Kind, METHODS, Method};
 use crate::error::BenchError;
+use crate::report::palette::{Marker, Rgb};
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings};
 use cloth_core::math::Real;
@@ -30,6 +31,35 @@ pub struct OwnMethod {
     /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against
     /// the minimiser.
     pub aims_at_implicit_euler: bool,
+    /// Colour and marker in every plot. [`palette::gap`](crate::report::palette::gap) tells colours apart.
+    pub look: (Rgb, Marker),
+    /// Settings of a run that is not a comparison, as `key=value` pairs, where they are not the defaults.
+    pub by_default: &'static str,
+    /// What the studies of convergence and acceleration compare beside its default, if it has a setting `iterations`:
+    /// one a line, as [`Variant::list`](crate::studies::variants::Variant::list) reads them.
+    pub variants: &'static str,
+    /// What no measurement says: whether parameters are physical; whether vertices are held and let go without a new
+    /// solver; what runs in parallel; what is factorised; patents.
+    pub qualities: [&'static str; 5],
+}
+
+impl OwnMethod {
+    /// A method of this name that is what `about` says, without settings. What else is known of it is changed by
+    /// `..`, as in the example of [`main_with`](crate::main_with).
+    #[must_use]
+    pub const fn new(name: &'static str, about: &'static str, build: Build) -> Self {
+        Self {
+            name,
+            about,
+            parameters: &[],
+            build,
+            aims_at_implicit_euler: false,
+            look: ([0xe0, 0x22, 0x5a], Marker::Star),
+            by_default: "",
+            variants: "",
+            qualities: ["not said"; 5],
+        }
+    }
 }
 
 impl Method {

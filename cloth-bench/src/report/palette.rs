@@ -5,7 +5,7 @@
 //! too faint. They stay apart under the two common colour vision deficiencies (a test simulates
 //! both), and markers say the same thing once more.
 
-use crate::method::{METHODS, Method};
+use crate::method::{self, Method};
 use std::sync::LazyLock;
 
 /// Red, green and blue, sRGB, 0 to 255.
@@ -54,12 +54,11 @@ const NEWTON: (&str, Rgb, Marker) = ("newton", [0x33, 0x33, 0x33], Marker::Circl
 
 /// The methods and the reference with colour and marker.
 static KNOWN: LazyLock<Vec<(&str, Rgb, Marker)>> = LazyLock::new(|| {
-    let look = |method: &Method| {
-        method
-            .look()
-            .map(|(rgb, marker)| (method.name, rgb, marker))
+    let look = |method: &'static Method| {
+        let (rgb, marker) = method.look();
+        (method.name, rgb, marker)
     };
-    METHODS.iter().filter_map(look).chain([NEWTON]).collect()
+    method::all().map(look).chain([NEWTON]).collect()
 });
 
 /// For labels that do not begin with the name of a method, in order of appearance.

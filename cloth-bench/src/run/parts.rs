@@ -1,6 +1,6 @@
-//! Steps in several parts, where the cloth pushes bodies.
+//! Steps in several parts, where the method wants them or the cloth pushes bodies.
 //!
-//! As many as resolve the frequency of a body on its contact, and twice as many where that is not enough: a body moves
+//! Where it does, as many as resolve the frequency of a body on its contact, and twice as many where that is not enough: a body moves
 //! before the cloth and takes up its push after it, so a method that minimises has felt a body that is Δv Δt from where
 //! it should be. Where that is more than the thickness the part is taken back, and taken again as two.
 
@@ -25,7 +25,7 @@ struct Taken {
 }
 
 impl Course<'_> {
-    /// One step of `dt` (s), in parts where the cloth pushes a body. `balance` is told of the work done.
+    /// One step of `dt` (s), in parts where the method wants them or the cloth pushes a body. `balance` is told of the work done.
     pub(super) fn step(
         &mut self,
         stepper: &mut dyn Stepper,
@@ -35,7 +35,7 @@ impl Course<'_> {
     ) -> Result<StepReport, BenchError> {
         self.mean_forces = None;
         self.untangling.begin_step();
-        let parts = self.scene.parts(dt);
+        let parts = self.scene.parts(dt) * stepper.parts();
         let part = dt / Real::from(parts);
         let mut taken = Taken {
             seconds: 0.0,

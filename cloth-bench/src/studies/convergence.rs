@@ -135,11 +135,45 @@ impl TimesRow {
     }
 }
 
+/// After how many iterations a method first has the errors of [`WANTED`], if it gets there: the same on every machine.
+#[derive(Serialize, Default)]
+struct IterationsRow {
+    n: Cell,
+    method: String,
+    #[serde(rename = "iterations to 1e-1")]
+    rough: Option<u32>,
+    #[serde(rename = "iterations to 1e-2")]
+    visible: Option<u32>,
+    #[serde(rename = "iterations to 1e-3")]
+    fair: Option<u32>,
+    #[serde(rename = "iterations to 1e-6")]
+    exact: Option<u32>,
+}
+
+impl IterationsRow {
+    fn new(n: &Cell, method: &str, trace: &[Sample]) -> Self {
+        let [rough, visible, fair, exact] = WANTED.map(|wanted| {
+            let mut there = trace
+                .iter()
+                .filter(|sample| sample.error.objective <= wanted);
+            there.next().map(|sample| sample.iteration)
+        });
+        Self {
+            n: n.clone(),
+            method: method.to_owned(),
+            rough,
+            visible,
+            fair,
+            exact,
+        }
+    }
+}
+
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
     let (mut samples, mut defaults) = (Vec::new(), Vec::new());
     let mut fastest = Table::about("at", WANTED.map(|wanted| format!("to {wanted:e}")));
-    let mut times = Vec::new();
+    let (mut times, mut iterations) = (Vec::new(), Vec::new());
     let sheets = TestSheet::of_study(&study.cases, sizes(scope))?;
     for sheet in &sheets {
         let TestSheet {
@@ -167,6 +201,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 repeated(problem.get()?, &mut *solver, 3)
             },
         );
+        let row = |(variant, trace): &(Variant, Vec<Sample>)| {
+            IterationsRow::new(size, &variant.label, trace)
+        };
+        iterations.extend(traces.iter().map(row));
         let row = |label: &str, sample| SampleRow::new(size, label, "iterations", sample);
         let traced = traces.iter().flat_map(|(variant, trace)| {
             trace.iter().map(move |sample| row(&variant.label, sample))
@@ -229,6 +267,11 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         ),
         Table::of(&times),
     );
+    study.findings.table(
+        "convergence-iterations",
+        &format!("How many iterations each way takes to an objective error, from the inertial prediction: one step of {what}"),
+        Table::of(&iterations),
+    );
     study.findings.data("convergence", Table::of(&samples));
     let of_fall = sheets
         .iter()
@@ -269,11 +312,19 @@ fn repeated(
     })
 }
 
-/// About twenty samples per decade of iterations: a logarithmic axis shows no more.
+/// About twenty samples per decade of iterations, since a logarithmic axis shows no more, and those that first have the
+/// errors of [`WANTED`].
 fn thinned(mut trace: Vec<Sample>) -> Vec<Sample> {
     let mut next = 0.0;
+    let mut wanted = WANTED.into_iter().peekable();
     trace.retain(|sample| {
-        let keep = Real::from(sample.iteration) >= next;
+        let mut keep = Real::from(sample.iteration) >= next;
+        while wanted
+            .next_if(|wanted| sample.error.objective <= *wanted)
+            .is_some()
+        {
+            keep = true;
+        }
         if keep {
             next = Real::from(sample.iteration) * 1.12;
         }

@@ -102,7 +102,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let listed = ("decision".to_owned(), caption, shown);
     study.findings.section.tables.push(listed);
     study.findings.section.pictures = strip(scope, &rows)?;
-    let qualities = method::all().filter_map(Method::qualities);
+    let qualities = method::all().map(Method::qualities);
     study.findings.table(
         "decision-qualities",
         "What no measurement says",

@@ -1,7 +1,7 @@
 //! What nearly every study uses.
 
 pub(super) use super::study_run::StudyRun;
-pub(super) use super::variants::Variant;
+pub(super) use super::variants::{Variant, iterating_own};
 pub(super) use super::{Cases, Findings, Scope, Study};
 pub(super) use crate::error::BenchError;
 pub(super) use crate::journal::Number;

@@ -19,12 +19,16 @@ pub(super) const STUDY: Study = Study {
 const STIFFNESS: Real = 100.0;
 const FIXED: [Real; 3] = [0.1, 0.5, 0.9];
 /// Methods on the chain, and what their effort is called.
-const ON_CHAIN: [(&str, &str); 4] = [
-    ("pbd", "iterations"),
-    ("xpbd", "iterations"),
-    ("xpbd", "substeps"),
-    ("pd", "iterations"),
-];
+fn on_chain() -> impl Iterator<Item = (&'static str, &'static str)> {
+    [
+        ("pbd", "iterations"),
+        ("xpbd", "iterations"),
+        ("xpbd", "substeps"),
+        ("pd", "iterations"),
+    ]
+    .into_iter()
+    .chain(iterating_own().map(|own| (own.name, "iterations")))
+}
 
 fn efforts(scope: Scope) -> &'static [u32] {
     scope.pick(
@@ -92,9 +96,10 @@ fn on_one_constraint() -> Vec<(Variant, Option<Real>)> {
     let fixed = fixed
         .into_iter()
         .flat_map(|(variant, s)| variant.into_iter().map(move |v| (v, s)));
-    fixed
-        .chain(exact.into_iter().map(|variant| (variant, None)))
-        .collect()
+    let exact = exact
+        .into_iter()
+        .chain(iterating_own().map(Variant::default_of));
+    fixed.chain(exact.map(|variant| (variant, None))).collect()
 }
 
 /// A method on one constraint.
@@ -204,13 +209,13 @@ fn chain(study: &mut StudyRun<'_>, worst: Real) -> Result<(), BenchError> {
     let efforts = efforts(study.scope);
     let of_method = |(name, effort)| efforts.iter().map(move |&count| (name, effort, count));
     let found = study.grid(
-        ON_CHAIN.into_iter().flat_map(of_method),
+        on_chain().flat_map(of_method),
         |(name, effort, count)| format!("chain, {name} with {count} {effort}"),
         |&(name, effort, count)| {
             let settings = match effort {
                 "substeps" => format!("substeps={count} iterations=1"),
-                _ if name == "pd" => format!("iterations={count}"),
-                _ => format!("substeps=1 iterations={count}"),
+                _ if ["pbd", "xpbd"].contains(&name) => format!("substeps=1 iterations={count}"),
+                _ => format!("iterations={count}"),
             };
             let method = Method::find(name)?;
             at_rest(

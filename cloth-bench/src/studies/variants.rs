@@ -3,6 +3,14 @@
 use crate::method::{self, Method};
 use crate::settings::Settings;
 
+/// The methods of your own that can be told how often to iterate towards the step of implicit Euler.
+pub(super) fn iterating_own() -> impl Iterator<Item = &'static Method> {
+    method::own().iter().filter(|own| {
+        let mut all = own.parameters().into_iter().flatten();
+        own.aims_at_implicit_euler() && all.any(|one| one.name == "iterations")
+    })
+}
+
 /// A method with some of its settings, and what it is called.
 #[derive(Clone, Debug)]
 pub struct Variant {
@@ -36,16 +44,11 @@ impl Variant {
         lines.map(variant).collect()
     }
 
-    /// Methods of your own that have a parameter `iterations`, with so many.
-    pub fn own_that_iterate(iterations: u32) -> impl Iterator<Item = Self> {
-        let iterates = |own: &&Method| {
-            let mut parameters = own.parameters().into_iter().flatten();
-            parameters.any(|one| one.name == "iterations")
-        };
-        method::own().iter().filter(iterates).map(move |own| Self {
-            settings: Settings::default().with("iterations", iterations),
-            ..Self::default_of(own)
-        })
+    /// Of [`iterating_own`] the default, and what they name beside it.
+    #[must_use]
+    pub fn of_own() -> Vec<Self> {
+        let variants = |own: &Method| [vec![Self::default_of(own)], own.variants()].concat();
+        iterating_own().flat_map(variants).collect()
     }
 
     /// The name of the method.

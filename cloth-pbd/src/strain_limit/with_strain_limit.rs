@@ -61,6 +61,10 @@ impl Stepper for WithStrainLimit {
         self.method.name()
     }
 
+    fn parts(&self) -> u32 {
+        self.method.parts()
+    }
+
     /// The method's report, converged only if the limiter is too.
     fn step(
         &mut self,

@@ -157,11 +157,14 @@ fn slip(name: &str, turns: usize, friction: Real) -> Result<Measured, BenchError
         for ((end, way), pull) in ends.iter().zip(ways).zip([PULL, PULL * ratio]) {
             end.iter().for_each(|&v| load[v] = way * pull);
         }
-        let mut input = StepInput::new(scene.dt).load(&load);
-        if let Some(contacts) = &mut contacts {
-            input = input.contacts(contacts);
+        let parts = stepper.parts();
+        for _ in 0..parts {
+            let mut input = StepInput::new(scene.dt / Real::from(parts)).load(&load);
+            if let Some(contacts) = &mut contacts {
+                input = input.contacts(contacts);
+            }
+            stepper.step(&mut state, input)?;
         }
-        stepper.step(&mut state, input)?;
         step += 1;
         if step > SETTLE && (state.positions[top[0]] - from[step % WITHIN]).norm() > SLIPPED {
             return Ok(Measured {

@@ -119,14 +119,19 @@ impl ContactProblem {
         for _ in 0..2 {
             let mut contacts = scene.contacts()?;
             let mut state = self.state.clone();
-            let mut input = StepInput::new(scene.dt).gravity(scene.gravity);
-            if let Some(contacts) = &mut contacts {
-                input = input.contacts(contacts);
-            }
+            let parts = solver.parts();
+            let mut iterations = 0;
             let started = Instant::now();
-            let report = solver.step(&mut state, input)?;
+            for _ in 0..parts {
+                let dt = scene.dt / Real::from(parts);
+                let mut input = StepInput::new(dt).gravity(scene.gravity);
+                if let Some(contacts) = &mut contacts {
+                    input = input.contacts(contacts);
+                }
+                iterations += solver.step(&mut state, input)?.iterations;
+            }
             let seconds = started.elapsed().as_secs_f64();
-            taken = (state.positions, report.iterations, seconds);
+            taken = (state.positions, iterations, seconds);
         }
         Ok(taken)
     }
@@ -211,8 +216,14 @@ pub fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
         "tolerance" => tolerances.to_vec(),
         _ => counts.clone(),
     };
-    let with_key = |(variant, key)| (variant, key, values(key));
-    variants.into_iter().zip(keys).map(with_key).collect()
+    let own = iterating_own().map(|own| {
+        let mut variant = Variant::default_of(own);
+        variant.label.push_str(", by iterations");
+        (variant, "iterations")
+    });
+    let all = variants.into_iter().zip(keys).chain(own);
+    all.map(|(variant, key)| (variant, key, values(key)))
+        .collect()
 }
 
 /// A step by a method.

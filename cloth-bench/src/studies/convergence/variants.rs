@@ -22,8 +22,11 @@ pub fn iterated(scope: Scope) -> Vec<Variant> {
         pbd, Chebyshev: substeps=1 chebyshev=auto projection=1 iterations={accelerated}
         pbd, coarse levels: substeps=1 projection=1 hierarchy=10 iterations={accelerated}"
     ));
-    let aims = |own: &Variant| Method::find(own.method()).is_ok_and(Method::aims_at_implicit_euler);
-    variants.extend(Variant::own_that_iterate(accelerated).filter(aims));
+    let iterations = |mut own: Variant| {
+        own.settings = own.settings.with("iterations", sweeps);
+        own
+    };
+    variants.extend(Variant::of_own().into_iter().map(iterations));
     variants
 }
 

@@ -10,6 +10,7 @@ const KEPT: Real = 1e-6;
 /// Methods with so many iterations a step, and how their sweeps go.
 pub fn cases(scope: Scope) -> impl Iterator<Item = (Variant, u32)> {
     let counts: &[u32] = scope.pick(&[1, 4, 16], &[1, 4, 16, 64, 256]);
+    let own = iterating_own().map(Variant::default_of);
     let variants = Variant::list(
         "pbd, colours: sweep=colored
         pbd, sequential: sweep=sequential
@@ -26,7 +27,8 @@ pub fn cases(scope: Scope) -> impl Iterator<Item = (Variant, u32)> {
     let cases = |variant: Variant| counts.iter().map(move |&count| (variant.clone(), count));
     // The system of the direct solver converges in a few, and takes as long for each as hundreds of sweeps.
     let is_quick = |case: &(Variant, u32)| case.0.method() != "xpbd-direct" || case.1 <= 16;
-    variants.into_iter().flat_map(cases).filter(is_quick)
+    let all = variants.into_iter().chain(own);
+    all.flat_map(cases).filter(is_quick)
 }
 
 /// The hanging sheet with crossed diagonals, which is its own mirror image in the plane between its pins.

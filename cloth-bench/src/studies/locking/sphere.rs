@@ -121,7 +121,8 @@ pub fn list(scope: Scope) -> Vec<Case> {
             ..base
         }));
     }
-    for (method, iterations) in [
+    let own = iterating_own().map(|own| (own.name, 0));
+    let compared = [
         ("implicit-euler", 0),
         ("pd", 0),
         ("xpbd", 0),
@@ -129,7 +130,8 @@ pub fn list(scope: Scope) -> Vec<Case> {
         ("pbd", 20),
         ("pbd", 80),
         ("pbd", 320),
-    ] {
+    ];
+    for (method, iterations) in compared.into_iter().chain(own) {
         cases.push(Case {
             method,
             iterations,

@@ -66,7 +66,11 @@ fn cut_short() -> Vec<Variant> {
         pd: iterations=1
         pd, no coarse grid: coarse=0 iterations=1",
     );
-    variants.extend(Variant::own_that_iterate(1));
+    let one = |own| Variant {
+        settings: Settings::of("iterations=1"),
+        ..Variant::default_of(own)
+    };
+    variants.extend(iterating_own().map(one));
     variants
 }
 

@@ -72,7 +72,7 @@ const NEWTON: (Rgb, Marker) = ([0x33, 0x33, 0x33], Marker::Circle);
 
 /// The methods and the reference with their colours and markers.
 fn known() -> Vec<(&'static str, (Rgb, Marker))> {
-    let look = |method: &Method| (method.name, method.look().expect(method.name));
+    let look = |method: &Method| (method.name, method.look());
     METHODS
         .iter()
         .map(look)
