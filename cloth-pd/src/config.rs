@@ -18,13 +18,19 @@ pub struct PdConfig {
     pub most_iterations: u32,
     /// A step with `iterations: None` and without a `tolerance` ends once `√(∇Gᵀ B ∇G) ≤ ε ‖x − x̃‖_M/Δt`, B the
     /// inverse Hessian that the method has: the Newton decrement, as a speed, over the change of velocity that the
-    /// forces have made. As pairs that mislead make it small, five iterations must have lowered `G` by no more than `5
-    /// (ε ‖x − x̃‖_M/Δt)²` besides; with active contacts, whose directions are those of Newton's method, one. With τ
-    /// this number (dimensionless, at least 0), ε is τ/2, and 0.3 τ where pins move. At least ten iterations are taken,
-    /// 30 where pins move, two with active contacts (30 if the method has no pairs).
+    /// forces have made. As one iteration can make it small, five must have lowered `G` by no more than `5 (ε ‖x −
+    /// x̃‖_M/Δt)²` besides. With τ this number (dimensionless, at least 0):
     ///
-    /// Without contact it is an estimate, weaker than a bound on the gradient: A is too stiff where cloth bends, so B,
-    /// and this, come out too small. With active contacts a step ends, too, once `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
+    /// | pins that move | active contacts | ε | iterations, at least |
+    /// |---|---|---|---|
+    /// | no | no | τ/2 | 10 |
+    /// | no | yes | τ | 20 |
+    /// | yes | no | 0.3 τ | 30 |
+    /// | yes | yes | 0.3 τ | 20 |
+    ///
+    /// Without pairs they are 30 in contact. It is an estimate, weaker than a bound on the gradient: A is too stiff
+    /// where cloth bends, so B, and this, come out too small. With active contacts a step ends, too, once `‖∇G(x)‖ ≤
+    /// 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
     /// 0 asks for all `most_iterations`.
     pub velocity_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ

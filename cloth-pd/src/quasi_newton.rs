@@ -109,8 +109,6 @@ pub(crate) struct QuasiNewton {
     /// (dimensionless).
     contact_system: Option<ContactSystem>,
     newton: Option<TruncatedNewton>,
-    /// Whether it has met a direction without curvature.
-    is_buckling: bool,
     fractions: Vec<Real>,
 }
 
@@ -129,7 +127,6 @@ impl QuasiNewton {
             first_radius: 0.0,
             contact_system: None,
             newton: None,
-            is_buckling: false,
             fractions: Vec::new(),
         }
     }
@@ -256,11 +253,6 @@ impl QuasiNewton {
         self.requested > 0 && system.is_some_and(|system| !system.rows.is_empty())
     }
 
-    /// Whether the last direction was cut short where the cloth buckles, so that its decrement says little.
-    pub(crate) fn is_buckling(&self) -> bool {
-        self.is_touching() && self.is_buckling
-    }
-
     /// `direction` by [`TruncatedNewton`]; pairs do not go with it. Returns the number of global solves.
     fn find_newton_direction(
         &mut self,
@@ -275,8 +267,7 @@ impl QuasiNewton {
             .get_or_insert_with(|| TruncatedNewton::new(count));
         let contacts = self.contact_system.as_ref().expect("contacts are active");
         let out = &mut self.direction;
-        let (solves, is_convex) = newton.find(objective, global, contacts, point, out);
-        self.is_buckling = !is_convex;
+        let solves = newton.find(objective, global, contacts, point, out);
         self.slope = dot(&point.gradient, &self.direction);
         solves
     }

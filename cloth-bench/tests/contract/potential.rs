@@ -359,11 +359,10 @@ fn sheets_that_meet_keep_their_momentum() {
         let mean = |v: &[Vec3]| v.iter().map(|v| v.z).sum::<Real>() / v.len() as Real;
         let apart = mean(&state.velocities[count..]) - mean(&state.velocities[..count]);
         // They meet at 1 m/s; what is left of that is the bending of rims that hang over, which the midpoint rule does
-        // not damp.
-        let most = if name == "implicit-midpoint" {
-            5e-2
-        } else {
-            5e-3
+        // not damp, and a step of projective dynamics, which ends at a tenth of what forces have moved, leaves in part.
+        let most = match name {
+            "implicit-midpoint" | "pd" => 5e-2,
+            _ => 5e-3,
         };
         assert!(apart.abs() < most, "{name}: {apart} m/s");
     }

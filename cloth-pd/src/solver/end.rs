@@ -73,11 +73,6 @@ impl PdSolver {
         matches!(&self.method, Method::QuasiNewton(method) if method.is_touching())
     }
 
-    /// Whether it met a direction without curvature.
-    pub(super) fn is_buckling(&self) -> bool {
-        matches!(&self.method, Method::QuasiNewton(method) if method.is_buckling())
-    }
-
     /// Whether a contact was active where the last iteration began.
     pub(super) fn has_contact(&self) -> bool {
         match &self.method {

@@ -5,8 +5,8 @@ use cloth_bench::studies::contact::laws::Measured;
 
 /// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. A tolerance is a
 /// part of all forces, which at the ends are thousands of times what moves the strip: implicit Euler to 1e-3 lets go
-/// late (1.2 % to 1e-5), one linear solve a step later, projective dynamics, by chance, up to 4 %; position-based
-/// dynamics with one substep does not let go.
+/// late (1.2 % to 1e-5), projective dynamics to 0.1 too, one linear solve a step later; position-based dynamics with one
+/// substep does not let go.
 #[test]
 fn strips_slip_at_the_ratio_of_their_polygon() {
     for name in [
@@ -20,9 +20,8 @@ fn strips_slip_at_the_ratio_of_their_polygon() {
         let Measured { expected, measured } = slipping(name, 0.3).unwrap();
         let over = measured.0 / expected.0 - 1.0;
         let most = match name {
-            "implicit-euler" => 0.07,
+            "implicit-euler" | "pd" => 0.07,
             "linear-implicit" => 0.25,
-            "pd" => 0.05,
             _ => 0.035,
         };
         assert!((0.0..most).contains(&over), "{name}: {over}");
@@ -78,7 +77,7 @@ fn strips_slip_and_press_as_far_around_as_they_go() {
         ("symplectic-euler", 0.035, 3e-3),
         ("bdf2", 0.035, 1.1e-2),
         ("linear-implicit", 0.18, 3e-3),
-        ("pd", 0.05, 5e-3),
+        ("pd", 0.07, 5e-3),
         ("xpbd", 0.035, 3e-3),
         ("implicit-euler", 0.07, 4e-3),
     ] {

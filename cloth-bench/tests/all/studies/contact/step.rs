@@ -49,12 +49,13 @@ fn two_methods_end_at_the_same_minimiser_with_contact() {
     }
 }
 
-/// Ten iterations of projective dynamics end farther away than the prediction where cloth buckles, and the sweeps of
-/// XPBD in one substep come nearer slowly.
+/// Ten iterations of projective dynamics leave a part of a step in which cloth buckles, and the sweeps of XPBD in one
+/// substep come nearer slowly.
 #[test]
 fn few_iterations_are_far_from_the_minimiser_where_cloth_buckles() {
     let problem = problem(MOMENTS[0]);
-    assert!(error(&problem, "pd", "iterations=10") > 1.0);
+    let pd = [10, 30, 100].map(|n| error(&problem, "pd", &format!("iterations={n}")));
+    assert!(pd[0] > 0.01 && pd[2] < 1e-3 * pd[0], "{pd:?}");
     let sweeps = [10, 100, 1000].map(|n| format!("substeps=1 iterations={n}"));
     let xpbd = sweeps.map(|settings| error(&problem, "xpbd", &settings));
     assert!(
