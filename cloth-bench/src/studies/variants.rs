@@ -44,7 +44,7 @@ impl Variant {
         lines.map(variant).collect()
     }
 
-    /// Of [`iterating_own`] the default, and what they name beside it.
+    /// Of methods of your own that iterate the default, and what they name beside it.
     #[must_use]
     pub fn of_own() -> Vec<Self> {
         let variants = |own: &Method| [vec![Self::default_of(own)], own.variants()].concat();
