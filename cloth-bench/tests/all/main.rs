@@ -15,6 +15,8 @@ mod crossings;
 mod crumpled;
 mod energy;
 mod error;
+#[path = "../support/exact_runs.rs"]
+mod exact_runs;
 mod exclude;
 mod export;
 mod forces;

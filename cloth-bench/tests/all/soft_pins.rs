@@ -1,54 +1,18 @@
 //! Soft pins and added masses.
 
-use crate::scene_text::{scene, written};
+use crate::exact_runs::{METHODS, refused, rest, run};
+use crate::scene_text::scene;
 use cloth_bench::method::Method;
-use cloth_bench::run::{Plan, Solver, Summary, run_changing, to_rest};
-use cloth_bench::scene::{Scene, file};
+use cloth_bench::run::to_rest;
+use cloth_bench::scene::Scene;
 use cloth_bench::settings::Settings;
 use cloth_core::energy::SoftPin;
 use cloth_core::math::Vec3;
 use cloth_core::particles::State;
 
-/// All but forward Euler, which refuses every step.
-const METHODS: [(&str, &[&str]); 9] = [
-    // Undamped, a sheet that is let loose hardly comes to rest.
-    (
-        "symplectic-euler",
-        &["stiffness_damping=2e-4", "substeps=120"],
-    ),
-    ("implicit-euler", &["tolerance=1e-12"]),
-    ("linear-implicit", &[]),
-    ("implicit-midpoint", &["tolerance=1e-12"]),
-    ("bdf2", &["tolerance=1e-12"]),
-    // With one visit a substep a row has its own stiffness, whatever its neighbours do.
-    ("pbd", &["iterations=1", "substeps=20"]),
-    ("xpbd", &[]),
-    ("xpbd-direct", &[]),
-    ("pd", &["iterations=200"]),
-];
-
 /// An upright sheet of 0.3 m, 7 × 7 vertices; the last row is the highest.
 const SHEET: &str = "dt = 0.01\n[[mesh]]\ngenerator = \"grid:7x7:alternating\"\nscale = 0.3\n\
      rotate = [1.5707963267948966, 0, 0]\n[cloth]\nstiffness = 500\n";
-
-fn rest(scene: &Scene, method: &str, settings: &[&str]) -> State {
-    let method = Method::find(method).unwrap();
-    let settings = Settings::parse(settings).unwrap();
-    let mut solver = method.build(scene, &settings, scene.dt).unwrap();
-    let mut state = scene.start.clone();
-    to_rest(scene, &mut *solver, &mut state, scene.dt, 20_000, 1e-9).unwrap();
-    state
-}
-
-fn run(scene: &Scene, method: &str, settings: &[&str], steps: u32) -> (Summary, State) {
-    let method = Method::find(method).unwrap();
-    let settings = Settings::parse(settings).unwrap();
-    let mut solver = Solver::new(method, &settings, scene, scene.dt).unwrap();
-    let mut state = scene.start.clone();
-    let plan = Plan::new(scene.dt, steps);
-    let (summary, _) = run_changing(scene, &mut solver, &mut state, plan, |_| Ok(())).unwrap();
-    (summary, state)
-}
 
 /// What the pins pull with (N), at a time (s).
 fn reaction(scene: &Scene, state: &State, time: f64) -> Vec3 {
@@ -208,12 +172,6 @@ fn what_is_wrong_with_a_pin_or_a_mass_is_said_with_its_line() {
             "needs one of the keys",
         ),
     ] {
-        let built = file::build(
-            &written(name, &format!("{SHEET}{more}")),
-            &Settings::default(),
-        );
-        let said = built.unwrap_err().to_string();
-        let place = format!("{name}.toml: line {line}: ");
-        assert!(said.contains(&place) && said.contains(words), "{said}");
+        refused(name, &format!("{SHEET}{more}"), line, words);
     }
 }

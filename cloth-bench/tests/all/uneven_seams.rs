@@ -1,35 +1,16 @@
 //! Seams between chains of different numbers of vertices: each vertex of the finer one goes to a point of the other, by
 //! their lengths.
 
+use crate::exact_runs::{METHODS, run};
 use crate::scene_text::{scene, written};
 use cloth_bench::method::Method;
-use cloth_bench::run::{Plan, Solver, Summary, run_changing, to_rest};
-use cloth_bench::scene::{Scene, file};
+use cloth_bench::run::{Plan, Solver, run_changing, to_rest};
+use cloth_bench::scene::file;
 use cloth_bench::settings::Settings;
 use cloth_core::element::Element;
 use cloth_core::energy::Stitch;
 use cloth_core::math::Vec3;
 use cloth_core::measure::{angular_momentum, linear_momentum};
-use cloth_core::particles::State;
-
-/// Those that sew, with settings with which they come to the minimum of a step: all but forward Euler, which refuses
-/// every step.
-const METHODS: [(&str, &[&str]); 9] = [
-    // Undamped, a sheet that is let loose hardly comes to rest.
-    (
-        "symplectic-euler",
-        &["stiffness_damping=2e-4", "substeps=120"],
-    ),
-    ("implicit-euler", &["tolerance=1e-12"]),
-    ("linear-implicit", &[]),
-    ("implicit-midpoint", &["tolerance=1e-12"]),
-    ("bdf2", &["tolerance=1e-12"]),
-    // With one visit a substep a row has its own stiffness, whatever its neighbours do.
-    ("pbd", &["iterations=1", "substeps=20"]),
-    ("xpbd", &[]),
-    ("xpbd-direct", &[]),
-    ("pd", &["iterations=200"]),
-];
 
 /// Sheets of 0.2 m and 5 × 5 and 8 × 8 vertices, 0.1 m apart without gravity, to be sewn along the facing sides.
 fn two_free(seam: &str) -> String {
@@ -40,16 +21,6 @@ fn two_free(seam: &str) -> String {
          [cloth]\nstiffness = 1000\n\
          [[seam]]\nmeshes = [0, 1]\nfirst_border = [4, 24]\nsecond_border = [0, 56]\n{seam}"
     )
-}
-
-fn run(scene: &Scene, method: &str, settings: &[&str], steps: u32) -> (Summary, State) {
-    let method = Method::find(method).unwrap();
-    let settings = Settings::parse(settings).unwrap();
-    let mut solver = Solver::new(method, &settings, scene, scene.dt).unwrap();
-    let mut state = scene.start.clone();
-    let plan = Plan::new(scene.dt, steps);
-    let (summary, _) = run_changing(scene, &mut solver, &mut state, plan, |_| Ok(())).unwrap();
-    (summary, state)
 }
 
 /// Where (m) a vertex and its point on an edge are on their chains, in the order of the chains.
