@@ -47,7 +47,8 @@ impl Minimizer {
     }
 
     /// Minimises what the linearised cloth and contact make together; linearised anew where that ends, until the
-    /// function of the stage itself has gone down by [`KEPT`] of what the linearised one promised.
+    /// function of the stage itself has gone down by [`KEPT`] of what the linearised one promised, and is not above what
+    /// it is where the step begins: what contact has truncated starts with much strain.
     pub(super) fn minimize_linearized(
         &mut self,
         task: &Task<'_>,
@@ -55,13 +56,17 @@ impl Minimizer {
         contact: &mut Contact<'_>,
         report: &mut StepReport,
     ) -> Result<(), StepError> {
-        let mut before = self.value_here(&with(task, contact));
+        let stage = with(task, contact);
+        // As `begin_contact` has left it: where the step begins.
+        let begun = stage.gradient_into(&self.next.positions, &mut self.next.gradient);
+        let mut before = self.value_here(&stage);
         for _ in 0..MOST_LINEARIZATIONS {
             let promised = self.minimize_linear_cloth(task, observer, contact, report)?;
             let after = self.value_here(&with(task, contact));
             let is_little =
                 -2.0 * promised <= self.close_enough(task, task.config.tolerance).powi(2);
-            if is_little || after - before <= KEPT * promised {
+            let keeps = after - before <= KEPT * promised && after <= begun;
+            if is_little || keeps {
                 return Ok(());
             }
             before = after;
