@@ -289,12 +289,12 @@
 //! kinetic and elastic energy have gained with the work of gravity, loads, prescribed vertices and contact. The excess
 //! is summed over the steps, losses taken off, never below zero. A step that adds to the sum and lifts it above τ times
 //! the scale of energy is repeated with twice as many substeps, up to eight times as many; the next one begins with as
-//! many, or with half where the sum is below half of that bound. A step in which twice as many substeps keep over 0.8
-//! of the excess is accepted: they do not help. The scale is the larger of K + E and K + E + W, and of that the largest
+//! many, or with fewer by √2 where the sum is below half of that bound and fewer have not just failed. A step in which
+//! more substeps keep over 0.8 of the excess is accepted: they do not help. The scale is the larger of K + E and K + E + W, and of that the largest
 //! over all steps so far, this one included: K + E (J) is the kinetic and elastic energy at the start of a step, W the
 //! work named above, of that step. [`StepReport::refinements`] counts. τ = 0.01 is a good value, on top of
 //! [`SubstepRule`]: a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by twenty substeps, then at no
-//! time has more energy than it was given by over 0.4 % of the work of gravity; without τ it has more by twelve times
+//! time has more energy than it was given by over 0.8 % of the work of gravity; without τ it has more by twelve times
 //! that work (`tests/all/refinement.rs`). A step without excess costs two evaluations of the energy. The stiffer a
 //! cloth, the more energy is in the same strain, and the more often it takes all eight times as many.
 //!

@@ -11,8 +11,12 @@
 //! with `E = ½ Σ k C²` over all rows of finite stiffness. (A hard row stores nothing.) XPBD loses energy in most steps,
 //! so a gain is a sure sign. Gains are summed over the steps and losses taken off, but the sum is never below zero. A
 //! step that adds to the sum and lifts it above τ times the scale of energy is repeated from its start with twice as
-//! many substeps, and the next one begins with as many. Where the sum is below half of that bound, the next one begins
-//! with half as many. If over 0.8 of the gain is left, more substeps do not help, and the step is accepted.
+//! many substeps, and the next one begins with as many. If over 0.8 of the gain is left, more substeps do not help, and
+//! the step is accepted.
+//!
+//! Where the sum is below half of that bound, the next step begins with fewer by √2. A step that has to be repeated for
+//! that goes back to as many as before, which are then kept for a step, after the next failure for two, then for four
+//! and so on: cloth that lies in folds needs as many for long, and each try with fewer is lost.
 //!
 //! The scale is, with W the work of the formula above,
 //!
@@ -27,13 +31,16 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::rounding_energy;
 use cloth_core::particles::State;
 use cloth_core::step::StepInput;
+use std::f64::consts::SQRT_2;
 
 /// Most times as many substeps as the settings have.
-const MOST: u32 = 8;
+const MOST: Real = 8.0;
 /// Where twice as many substeps leave more than this part of the gain, they do not help.
 const HELPS: Real = 0.8;
 /// Part of the accepted gain below which fewer substeps may do.
 const CALM: Real = 0.5;
+/// Most steps for which a number of substeps is kept because fewer have failed.
+const LONGEST: u32 = 16;
 
 /// What is known of the energy of a run, and how many times as many substeps the next step takes.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +53,12 @@ pub(crate) struct Refinement {
     gained: Real,
     /// The gain (J) of the step that is being tried, with half as many substeps.
     coarser: Real,
-    factor: u32,
+    factor: Real,
+    /// Whether the factor is one that calm has lowered.
+    is_lowered: bool,
+    /// For how many more steps it is kept, and for how many after the next failure.
+    kept: u32,
+    patience: u32,
 }
 
 impl Refinement {
@@ -56,13 +68,16 @@ impl Refinement {
             in_play: 0.0,
             gained: 0.0,
             coarser: Real::INFINITY,
-            factor: 1,
+            factor: 1.0,
+            is_lowered: false,
+            kept: 0,
+            patience: 1,
         }
     }
 
-    /// How many times as many substeps as the settings have.
-    pub(crate) fn factor(&self) -> u32 {
-        self.factor
+    /// How many substeps the next step takes, in place of so many.
+    pub(crate) fn substeps(&self, count: u32) -> u32 {
+        (Real::from(count) * self.factor).round() as u32
     }
 
     /// Whether a step from `before` to `after` (J), in which the cloth was given `given` (J), is to be taken again.
@@ -73,12 +88,24 @@ impl Refinement {
         let gained = self.gained + gain;
         let helps = gain > 0.0 && gain < HELPS * self.coarser;
         if gained > most && helps && self.factor < MOST {
-            (self.coarser, self.factor) = (gain, 2 * self.factor);
+            if self.coarser.is_infinite() {
+                self.kept = self.patience;
+                self.patience = (2 * self.patience).min(LONGEST);
+            }
+            let back = if self.is_lowered { SQRT_2 } else { 2.0 };
+            self.factor = (self.factor * back).min(MOST);
+            (self.coarser, self.is_lowered) = (gain, false);
             return true;
         }
         (self.coarser, self.gained) = (Real::INFINITY, gained.max(0.0));
-        if gained < CALM * most {
-            self.factor = (self.factor / 2).max(1);
+        if self.is_lowered {
+            self.patience = 1;
+        }
+        if self.kept > 0 {
+            self.kept -= 1;
+        } else if self.factor > 1.0 && gained < CALM * most {
+            self.factor = (self.factor / SQRT_2).max(1.0);
+            self.is_lowered = true;
         }
         false
     }

@@ -82,8 +82,10 @@ impl Stepper for XpbdSolver {
         }
         let (mut sweeps, mut refinements) = (0, 0);
         let update = loop {
-            let factor = self.refinement.as_ref().map_or(1, Refinement::factor);
-            let update = self.try_step(state, &mut input, self.config.substeps * factor)?;
+            let count = self.config.substeps;
+            let refinement = self.refinement.as_ref();
+            let substeps = refinement.map_or(count, |refinement| refinement.substeps(count));
+            let update = self.try_step(state, &mut input, substeps)?;
             sweeps += self.motion.iterations();
             if !self.refines(state, &mut input, before) {
                 break update;

@@ -28,31 +28,32 @@ fn step(solver: &mut XpbdSolver, state: &mut State) -> u32 {
     solver.step(state, input).unwrap().refinements
 }
 
-/// The largest sum (J) of all energies of a sheet that is let go where it is flat, relative to the start, and the most
-/// that gravity has given it.
-fn excess(mesh: &TriMesh, model: &ClothModel, energy_gain: Option<Real>) -> [Real; 2] {
+/// The largest sum (J) of all energies of a sheet that is let go where it is flat, relative to the start, the most that
+/// gravity has given it, and how often a step was taken again.
+fn excess(mesh: &TriMesh, model: &ClothModel, energy_gain: Option<Real>) -> ([Real; 2], u32) {
     let mut solver = solver(model, 20, energy_gain);
     let elastic = model.energies().unwrap();
     let mut state = State::at_rest(mesh.positions().to_vec());
-    let mut most = [0.0 as Real; 2];
+    let (mut most, mut repeats) = ([0.0 as Real; 2], 0);
     for _ in 0..90 {
-        step(&mut solver, &mut state);
+        repeats += step(&mut solver, &mut state);
         let height = gravitational_energy(&model.particles, &state.positions, GRAVITY);
         let held =
             kinetic_energy(&model.particles, &state.velocities) + elastic.value(&state.positions);
         most = [most[0].max(held + height), most[1].max(-height)];
     }
-    most
+    (most, repeats)
 }
 
+/// With a try with fewer substeps after every calm step, 47 steps would be taken again.
 #[test]
 fn a_swing_makes_no_more_energy_than_was_accepted() {
     let (mesh, model) = held_sheet(33, 1e4);
-    let [without, given] = excess(&mesh, &model, None);
-    let [with, _] = excess(&mesh, &model, Some(0.01));
-    eprintln!("{without} {with} J of {given}");
+    let ([without, given], _) = excess(&mesh, &model, None);
+    let ([with, _], repeats) = excess(&mesh, &model, Some(0.01));
     assert!(without > 12.0 * given, "{without} J of {given}");
-    assert!(with < 0.0042 * given, "{with} J of {given}");
+    assert!(with < 0.008 * given, "{with} J of {given}");
+    assert!(repeats <= 25, "{repeats} steps");
 }
 
 #[test]
