@@ -1,5 +1,6 @@
 //! Locking as a user meets it: the command on every kind of mesh, and every remedy with every method.
 
+use crate::scene_text::written;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::Command;
@@ -156,6 +157,40 @@ fn midpoints_are_an_option_of_the_hanging_sheet() {
             (fall(&found) / fall(middles) - 1.0).abs() < 0.05,
             "{membrane}"
         );
+    }
+}
+
+/// The figures of the page on scene files: diagonals hold the corners of a sheet on a box up, as high as Δt has it.
+#[test]
+fn corners_of_a_sheet_on_a_box_come_down_without_diagonals_whatever_the_step() {
+    let scene = written(
+        "corners",
+        "[[mesh]]\ngenerator = \"grid:17x17:alternating\"\nscale = 0.8\ntranslate = [-0.4, -0.4, 0.22]\n\
+         [contact]\nself = true\nthickness = 4e-3\nfriction = 0.3\n\
+         [[obstacle]]\nshape = \"box\"\nsize = [0.4, 0.4, 0.4]\nposition = [0, 0, 0]\n",
+    );
+    let scene = scene.display().to_string();
+    let falls = |edges: &str, frequency: u32| {
+        let dt = (1.0 / f64::from(frequency)).to_string();
+        let steps = (frequency * 3 / 2).to_string();
+        let time = ["--dt", &dt, "--steps", &steps, "--threads", "1"];
+        let method = ["run", &scene, "--method", "implicit-euler", "--set", edges];
+        told(&[&method[..], &time].concat())["center_of_mass_drop"]
+            .as_f64()
+            .unwrap()
+    };
+    for (edges, all) in [
+        ("edges=all", [0.093, 0.066]),
+        ("edges=quads", [0.111; 2]),
+        ("edges=0.3", [0.106; 2]),
+    ] {
+        for (frequency, expected) in [60, 240].into_iter().zip(all) {
+            let fall = falls(edges, frequency);
+            assert!(
+                (fall - expected).abs() < 2e-3,
+                "{edges}, {frequency}: {fall} m"
+            );
+        }
     }
 }
 
