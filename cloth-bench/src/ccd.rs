@@ -75,9 +75,6 @@ fn conservative(query: &Query, slack: Real) -> Result<Option<Real>, CollideError
 
 impl CcdMethod {
     /// The method of this name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<Self, BenchError> {
         let known = METHODS.iter().find(|method| method.name == name);
         known.copied().ok_or_else(|| {
@@ -87,9 +84,6 @@ impl CcdMethod {
     }
 
     /// First contact (dimensionless, 0..=1).
-    ///
-    /// # Errors
-    /// Those of the method, for numbers that cannot be worked with.
     pub fn first_contact(&self, query: &Query) -> Result<Option<Real>, CollideError> {
         (self.first_contact)(query)
     }
@@ -109,7 +103,6 @@ pub struct LabelledQuery {
 }
 
 /// `count` queries of exactly known answer, half of them contacts, half of them degenerate.
-#[must_use]
 pub fn generate(kind: QueryKind, count: usize, seed: u64) -> Vec<LabelledQuery> {
     let labelled = |known: KnownQuery| {
         let contact_time = match known.truth {

@@ -38,9 +38,6 @@ pub enum Command {
 }
 
 /// Does it.
-///
-/// # Errors
-/// [`BenchError`], whose exit code is the program's.
 pub fn execute(command: &Command) -> Result<(), BenchError> {
     match command {
         Command::Study(arguments) => study::execute(arguments),

@@ -126,9 +126,6 @@ pub const METHODS: [Method; 10] = [
 
 impl Method {
     /// The method of that name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
         all().find(|method| method.name == name).ok_or_else(|| {
             let known: Vec<&str> = all().map(|m| m.name).collect();
@@ -137,7 +134,6 @@ impl Method {
     }
 
     /// The tables of what can be set, with the published setting: of the method, and of all methods.
-    #[must_use]
     pub fn parameters(&self) -> Vec<&'static [Parameter]> {
         [self.parameters, &[strain_limit::StrainLimit::PARAMETERS]].concat()
     }
@@ -315,9 +311,6 @@ impl Method {
     }
 
     /// Into how many parts the method cuts a step of `dt` (s) on a scene.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a setting out of range.
     pub fn substeps(
         &self,
         scene: &Scene,

@@ -148,7 +148,6 @@ struct Course<'a> {
 
 impl Summary {
     /// A sentence about energy from nowhere, if there is so much of it that it is worth a warning.
-    #[must_use]
     pub fn energy_warning(&self) -> Option<String> {
         let (excess, given) = (self.energy_excess, self.energy_given);
         (excess > energy::WORTH_A_WARNING * given).then(|| {
@@ -162,7 +161,6 @@ impl Summary {
 impl Summary {
     /// A sentence about steps that ended at their most iterations, if there are so many of them that it is worth a
     /// warning.
-    #[must_use]
     pub fn budget_warning(&self) -> Option<String> {
         let (unfinished, steps) = (self.unfinished_steps, self.steps);
         (Real::from(unfinished) > UNFINISHED * Real::from(steps)).then(|| {
@@ -322,9 +320,6 @@ impl<'a> Course<'a> {
 /// Small steps hardly damp, so the cloth is brought to rest by *kinetic damping*: whenever the kinetic energy has
 /// passed a maximum, all velocities are set to zero. The state of rest is the method's own: there the velocities are
 /// zero anyway.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn to_rest(
     scene: &Scene,
     stepper: &mut dyn Stepper,
@@ -404,7 +399,6 @@ pub struct Plan {
 
 impl Plan {
     /// So many steps of `dt` (s), without forces.
-    #[must_use]
     pub fn new(dt: Real, steps: u32) -> Self {
         Self {
             dt,
@@ -524,9 +518,6 @@ fn take_steps(
 }
 
 /// A run of a method from the start of a scene, and where it ended; otherwise as [`run`].
-///
-/// # Errors
-/// Those of [`Method::build`] and of [`run`].
 pub fn from_start(
     scene: &Scene,
     method: &Method,
@@ -560,7 +551,6 @@ fn height(scene: &Scene, state: &State) -> Real {
 }
 
 /// Median of some times; 0 of none.
-#[must_use]
 pub fn median(values: &mut [Real]) -> Real {
     values.sort_by(Real::total_cmp);
     match values.len() {

@@ -70,15 +70,11 @@ pub struct Study {
 type Run = fn(&mut StudyRun<'_>) -> Result<(), BenchError>;
 
 /// Whether a scene file serves for the studies that take one.
-///
-/// # Errors
-/// [`BenchError::Usage`] with what is wrong with it.
 pub fn check_scene(path: &Path) -> Result<(), BenchError> {
     sheets::TestSheet::own(path).map(|_| ())
 }
 
 /// Whether a method ends with this error wherever it is used, as theory foretells: a finding, but no alarm.
-#[must_use]
 pub fn is_expected(error: &str) -> bool {
     error.contains("no step is stable for this method")
 }
@@ -219,9 +215,6 @@ pub const STUDIES: [&Study; 20] = [
 
 impl Study {
     /// The study of that name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
         STUDIES
             .iter()
@@ -235,7 +228,6 @@ impl Study {
 
     /// Number of its cases, with the scenes of the program or with a scene file of one's own: those that it asks for
     /// when none is run.
-    #[must_use]
     pub fn cases(&self, scope: Scope, own: Option<&Path>) -> usize {
         let (share, own) = (Share::Nothing, own.map(Path::to_owned));
         let mut progress = |_: Progress<'_>| {};
@@ -247,7 +239,6 @@ impl Study {
     }
 
     /// Whether it can be asked of a scene of one's own.
-    #[must_use]
     pub fn takes_a_scene(&self) -> bool {
         [convergence::STUDY.name, work_precision::STUDY.name].contains(&self.name)
     }
@@ -255,10 +246,6 @@ impl Study {
     /// Runs the cases that are not in the journal and that `share` leaves to this run, and draws the conclusions.
     /// `progress` is called before each case. Returns the names of the cases that are still missing as
     /// well: with some, the findings are not to be shown.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if the journal cannot be written, or if a reference does not converge. A method that
-    /// fails is a finding, not an error.
     pub fn run(
         &self,
         scope: Scope,

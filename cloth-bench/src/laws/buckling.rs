@@ -58,7 +58,6 @@ pub(super) const LATERAL_BUCKLING: Law = Law {
 };
 
 /// `6 j`, with j the first zero of the Bessel function of order −1/6, from its power series.
-#[must_use]
 pub fn prandtl() -> Real {
     let bessel = |x: Real| {
         let (mut term, mut sum) = (1.0, 1.0);

@@ -184,7 +184,6 @@ pub struct LogBarrier {
 
 impl LogBarrier {
     /// E′ (N) and E″ (N/m) at the height `z` (m); where it is passed, those just before it.
-    #[must_use]
     pub fn derivatives(&self, z: Real) -> [Real; 2] {
         if z >= self.range {
             return [0.0; 2];

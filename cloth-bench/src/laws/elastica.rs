@@ -56,7 +56,6 @@ const STEPS: usize = 4000;
 /// From the tip, with `u = 1 − s` and `δ = π/2 − θ`, it is `δ″ = Γ u sin δ`, `δ′(0) = 0`, and δ only grows. The unknown
 /// is `ln δ(0)`: for a large Γ the strip hangs almost straight down, δ(0) falls like `exp(−⅔ √Γ)`, and an angle near
 /// π/2 would not keep a digit of it.
-#[must_use]
 pub fn exact(gamma: Real) -> Profile {
     // δ(1) grows with δ(0), and at least as fast as it would without gravity: δ(0) ≤ π/2.
     let [mut low, mut high] = [-gamma.sqrt() - 10.0, FRAC_PI_2.ln()];

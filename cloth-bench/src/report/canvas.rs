@@ -228,7 +228,6 @@ fn printable(text: &str) -> String {
 
 /// About how wide (px) `text` is in a sans-serif font of `size` (px), rather too wide than too
 /// narrow: fonts differ.
-#[must_use]
 pub fn text_width(text: &str, size: i32) -> i32 {
     let em: f64 = text
         .chars()
@@ -245,7 +244,6 @@ pub fn text_width(text: &str, size: i32) -> i32 {
 
 /// `text` in lines at most about `width` px wide, broken at blanks, and inside words only where a
 /// single word is longer.
-#[must_use]
 pub fn wrap(text: &str, size: i32, width: i32) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();

@@ -22,7 +22,6 @@ pub struct Axis {
 
 impl Axis {
     /// An axis with evenly spaced values.
-    #[must_use]
     pub fn linear(label: &str) -> Self {
         Self {
             label: label.to_owned(),
@@ -32,7 +31,6 @@ impl Axis {
     }
 
     /// An axis by decimal logarithm.
-    #[must_use]
     pub fn log(label: &str) -> Self {
         Self {
             label: label.to_owned(),
@@ -43,7 +41,6 @@ impl Axis {
 
     /// Shows only `low` to `high` (in the unit of the axis). Points outside are counted in the
     /// note, not drawn at the border.
-    #[must_use]
     pub fn within(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self
@@ -124,7 +121,6 @@ pub struct Series {
 
 impl Series {
     /// A line with markers.
-    #[must_use]
     pub fn new(label: &str, points: Vec<(f64, f64)>) -> Self {
         Self {
             label: label.to_owned(),
@@ -134,7 +130,6 @@ impl Series {
     }
 
     /// The same series in another style.
-    #[must_use]
     pub fn styled(mut self, style: Style) -> Self {
         self.style = style;
         self
@@ -142,7 +137,6 @@ impl Series {
 }
 
 /// One curve per label, in the order in which the labels come up first, through the points of all rows with that label.
-#[must_use]
 pub fn curves<R, L: Into<String>>(
     rows: impl IntoIterator<Item = R>,
     label_and_point: impl Fn(R) -> (L, (f64, f64)),
@@ -185,7 +179,6 @@ pub struct Drawing {
 
 impl Plot {
     /// A figure without curves.
-    #[must_use]
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
         Self {
             title: title.into(),
@@ -196,27 +189,23 @@ impl Plot {
     }
 
     /// With more curves.
-    #[must_use]
     pub fn with(mut self, series: impl IntoIterator<Item = Series>) -> Self {
         self.series.extend(series);
         self
     }
 
     /// With more curves, drawn as measured points.
-    #[must_use]
     pub fn points(self, series: impl IntoIterator<Item = Series>) -> Self {
         let points = series.into_iter().map(|curve| curve.styled(Style::Points));
         self.with(points)
     }
 
     /// With a closed form, a reference or a guide.
-    #[must_use]
     pub fn exact(self, label: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.exact_curves([Series::new(label, points.into_iter().collect())])
     }
 
     /// With several of them.
-    #[must_use]
     pub fn exact_curves(self, series: impl IntoIterator<Item = Series>) -> Self {
         let dashed = series
             .into_iter()
@@ -225,7 +214,6 @@ impl Plot {
     }
 
     /// With a remark below.
-    #[must_use]
     pub fn note(mut self, note: &str) -> Self {
         note.clone_into(&mut self.note);
         self
@@ -235,7 +223,6 @@ impl Plot {
     ///
     /// # Panics
     /// Never in practice: it writes to a string, which cannot fail.
-    #[must_use]
     pub fn draw(&self) -> Drawing {
         let mut absent = Vec::new();
         let mut curves = Vec::new();

@@ -50,9 +50,6 @@ impl SeparationWatch {
     }
 
     /// Looks at a state of the scene as it is by now.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for positions that are not finite.
     pub fn look(&mut self, scene: &Scene, state: &State) -> Result<(), BenchError> {
         if self.counts != counts(scene) {
             let seen = self.seen;
@@ -78,7 +75,6 @@ impl SeparationWatch {
     }
 
     /// What was seen so far.
-    #[must_use]
     pub fn seen(&self) -> Watched {
         self.seen
     }

@@ -74,14 +74,12 @@ impl Kept {
     }
 
     /// Largest changes of linear and of angular momentum.
-    #[must_use]
     pub fn drift(&self) -> [Real; 2] {
         let largest = |all: &Vec<Number>| all.iter().map(|one| one.0).fold(0.0, Real::max);
         self.momenta.each_ref().map(largest)
     }
 
     /// Fraction of the energy that is left after ten seconds.
-    #[must_use]
     pub fn left(&self, floor: Real) -> Real {
         self.share(SAMPLES as usize, floor)
     }
@@ -103,9 +101,6 @@ fn over_seconds(label: &str, values: impl Iterator<Item = Real>) -> Series {
 }
 
 /// Follows a method for ten seconds. Energy that the centre of mass carries is left out where the scene has no gravity.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn follow(
     scene: &Scene,
     name: &str,
@@ -159,9 +154,6 @@ pub fn follow(
 }
 
 /// A mass of 1 kg on a spring that is pulled by a tenth of its length.
-///
-/// # Errors
-/// [`BenchError`] of a scene that cannot be built.
 pub fn oscillator() -> Result<Scene, BenchError> {
     let settings = Settings::default()
         .with("n", 1)
@@ -175,16 +167,12 @@ pub fn oscillator() -> Result<Scene, BenchError> {
 }
 
 /// What the oscillator keeps of its energy, where a closed form says so.
-#[must_use]
 pub fn exact(method: &Method, substeps: u32, steps_per_second: u32) -> Option<Real> {
     let count = SECONDS * Real::from(steps_per_second) * Real::from(substeps);
     method.kept_by_an_oscillator(OMEGA * SECONDS / count, count)
 }
 
 /// A sheet that flies freely, turns, and shakes.
-///
-/// # Errors
-/// [`BenchError`] of a scene that cannot be built.
 pub fn free(n: u32) -> Result<Scene, BenchError> {
     let settings = Settings::of(&format!("n={n} stiffness=1e3 gravity=0"));
     let mut scene = scene::build("drop", None, &settings)?;

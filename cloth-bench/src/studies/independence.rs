@@ -55,9 +55,6 @@ pub struct Fallen {
 }
 
 /// Half a second of the hanging sheet with so many vertices a side, by a method with so many steps a second.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn fall(name: &str, n: u32, rate: u32) -> Result<Fallen, BenchError> {
     let settings = Settings::default().with("n", n).with("modulus", 1e4);
     let scene = scene::build("hang", None, &settings)?;

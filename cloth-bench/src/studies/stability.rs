@@ -95,7 +95,6 @@ pub enum Fate {
 
 impl Fate {
     /// From passing to failing at once.
-    #[must_use]
     pub fn severity(&self) -> u8 {
         match self {
             Self::Ok => 0,
@@ -118,9 +117,6 @@ impl Fate {
 }
 
 /// Follows a method for some steps.
-///
-/// # Errors
-/// [`BenchError`] for a method that is not known.
 pub fn follow(scene: &Scene, variant: &Variant, dt: Real, steps: u32) -> Result<Fate, BenchError> {
     let method = Method::find(variant.method())?;
     let once = Settings::of(if method.is_explicit() {
@@ -169,9 +165,6 @@ pub fn follow(scene: &Scene, variant: &Variant, dt: Real, steps: u32) -> Result<
 
 /// The largest power of ten (N/m), up to a billion, to which the springs of the hanging sheet can be stiffened before the
 /// method explodes or gains energy of motion in so many steps of 1/60 s; none where it does with the softest.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a scene that cannot be built.
 pub fn stable_up_to(method: &str, steps: u32) -> Result<Option<Real>, BenchError> {
     let mut stable = None;
     for decade in 0..=9 {
@@ -321,9 +314,6 @@ fn limits(study: &mut StudyRun<'_>) -> String {
 }
 
 /// Longitudinal motion of a chain is linear, so the limit is that of its stiffest mode.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a scene that cannot be built.
 pub fn limit(stiffness: Real) -> Result<Limit, BenchError> {
     const LINKS: u32 = 20;
     const MASS: Real = 0.01;

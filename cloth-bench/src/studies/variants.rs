@@ -22,7 +22,6 @@ pub struct Variant {
 
 impl Variant {
     /// A method at its published settings.
-    #[must_use]
     pub fn default_of(method: &Method) -> Self {
         Self {
             label: method.name.to_owned(),
@@ -31,7 +30,6 @@ impl Variant {
     }
 
     /// One per line, `method, what is special: key=value key=value`.
-    #[must_use]
     pub fn list(lines: &str) -> Vec<Self> {
         let variant = |line: &str| {
             let (label, settings) = line.split_once(':').unwrap_or((line, ""));
@@ -45,14 +43,12 @@ impl Variant {
     }
 
     /// Of methods of your own that iterate the default, and what they name beside it.
-    #[must_use]
     pub fn of_own() -> Vec<Self> {
         let variants = |own: &Method| [vec![Self::default_of(own)], own.variants()].concat();
         iterating_own().flat_map(variants).collect()
     }
 
     /// The name of the method.
-    #[must_use]
     pub fn method(&self) -> &str {
         self.label.split(',').next().unwrap_or_default()
     }

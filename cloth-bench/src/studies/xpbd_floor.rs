@@ -156,9 +156,6 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 }
 
 /// Steps by converged sweeps and by the direct solver on a scene of springs, with steps of `dt` (s).
-///
-/// # Errors
-/// [`BenchError::Failed`] if the reference does not converge, or with a solver's own error.
 pub fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {
     let problem = StepProblem::after(scene, (TIME / dt).round() as u32, dt)?;
     let model = &scene.model;

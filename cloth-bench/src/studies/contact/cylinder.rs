@@ -114,17 +114,11 @@ pub(super) fn wrap(degrees: Real) -> Real {
 }
 
 /// The ratio of the forces at both ends at which a strip slips that goes half-way around.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn slipping(name: &str, friction: Real) -> Result<Measured, BenchError> {
     slip(name, TURNS, friction)
 }
 
 /// The same of a strip that goes around by so many degrees, of which a cell takes 11.25.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn wrapping(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     slip(name, turns_of(degrees), MU)
 }
@@ -215,17 +209,11 @@ pub(super) fn side_pressure(degrees: Real) -> Real {
 
 /// The pressure on top of the cylinder over that of the weight alone, of a strip that hangs down without friction so
 /// that its ends are so many radii below its top. Expected is that of the height that its cells come to.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn pressing(name: &str, height_over_radius: Real) -> Result<Measured, BenchError> {
     press(name, height_over_radius, 0)
 }
 
 /// The same at an angle from the top, of a strip that hangs down by three radii.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn pressing_at(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     press(name, HEIGHT, turns_of(degrees))
 }
@@ -249,9 +237,6 @@ fn press(name: &str, height_over_radius: Real, cells: usize) -> Result<Measured,
 }
 
 /// The force of a floor under sheets that lie on each other, over the weight of one.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn stack(name: &str, sheets: Real) -> Result<Measured, BenchError> {
     let settings = Settings::of("n=6").with("sheets", sheets);
     let scene = scene::build("stack", None, &settings)?;

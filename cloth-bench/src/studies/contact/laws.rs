@@ -17,7 +17,6 @@ const SLIDE: u32 = 30;
 const SETTLE: u32 = 40;
 
 /// Who is asked.
-#[must_use]
 pub fn methods() -> Vec<&'static str> {
     method::with_own(&[
         "symplectic-euler",
@@ -76,9 +75,6 @@ pub struct Measured {
 }
 
 /// How far (m) a sheet slides from rest, and the closed form of the method's own steps, as of its free fall.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     let angle = degrees.to_radians();
     let density = 0.2;
@@ -99,17 +95,11 @@ pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
 }
 
 /// The gap (m) at which a sheet of an areal density (kg/m²) comes to rest.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
     settle(name, 9, density)
 }
 
 /// The same of one of 20 kg/m² with so many vertices a side.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn rest_at(name: &str, vertices_a_side: Real) -> Result<Measured, BenchError> {
     settle(name, vertices_a_side as u32, HEAVY)
 }

@@ -24,9 +24,6 @@ pub struct Met {
 }
 
 /// Two sheets in free flight, each at half of a speed (m/s) towards the other, half a second after they could touch.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn meet(name: &str, speed: Real) -> Result<Met, BenchError> {
     let text = format!(
         "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\n\

@@ -59,9 +59,6 @@ pub struct Reached {
 
 impl ContactProblem {
     /// The step after so many of implicit Euler, of one of the scenes that [`scene_of`] knows.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if the reference does not converge.
     pub fn new(scene: &str, n: u32, steps_before: u32) -> Result<Self, BenchError> {
         let scene = scene_of(scene, n, "")?;
         let implicit = Method::find("implicit-euler")?;
@@ -166,9 +163,6 @@ impl ContactProblem {
     }
 
     /// What a method makes of the step.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] with the method's own error.
     pub fn reached(&self, method: &Method, settings: &Settings) -> Result<Reached, BenchError> {
         let (x, iterations, seconds) = self.take(method, settings)?;
         let objective = self.objective(&x)?;
@@ -193,7 +187,6 @@ impl ContactProblem {
 }
 
 /// Methods with a setting that is made finer and finer: what is not its default beside it, its key, and its values.
-#[must_use]
 pub fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
     let counts = (0..scope.pick(5, 8)).map(|i| (5 << i).to_string());
     let counts: Vec<String> = counts.collect();

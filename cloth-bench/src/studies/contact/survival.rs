@@ -50,9 +50,6 @@ fn size(scope: Scope) -> (u32, &'static [Real], u64) {
 }
 
 /// A scene of contact by its name, with so many vertices a side and with settings of its start.
-///
-/// # Errors
-/// [`BenchError::Usage`] for settings that make no sense.
 pub fn scene_of(name: &str, n: u32, starts: &str) -> Result<Scene, BenchError> {
     let settings = Settings::of(starts);
     match name {
@@ -140,9 +137,6 @@ impl Fate {
 }
 
 /// A run of a method, and what the cloth held of what it was given (dimensionless) after every step.
-///
-/// # Errors
-/// [`BenchError`] for a scene that cannot be watched, or a method that cannot be built.
 pub fn follow(
     scene: &Scene,
     name: &str,
@@ -365,9 +359,6 @@ pub struct Recovered {
 }
 
 /// A run from a start that passes through itself.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn recover(pairing: Pairing, n: u32, steps: u32) -> Result<Recovered, BenchError> {
     let scene = tangled(pairing.scene, n)?;
     let method = Method::find(pairing.method)?;

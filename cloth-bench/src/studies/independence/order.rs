@@ -32,9 +32,6 @@ pub fn cases(scope: Scope) -> impl Iterator<Item = (Variant, u32)> {
 }
 
 /// The hanging sheet with crossed diagonals, which is its own mirror image in the plane between its pins.
-///
-/// # Errors
-/// [`BenchError`] of a scene that cannot be built.
 pub fn sheet(scope: Scope) -> Result<Scene, BenchError> {
     let settings = Settings::default().with("n", scope.pick(9, 33));
     scene::build("hang", None, &settings.with("pattern", "crossed"))
@@ -56,9 +53,6 @@ pub struct Lopsided {
 }
 
 /// Half a second of the sheet, by so many iterations a step.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error, or for a sheet that is not symmetric.
 pub fn swing(scene: &Scene, variant: &Variant, iterations: u32) -> Result<Lopsided, BenchError> {
     let start = &scene.start.positions;
     let partner = |x: &Vec3| start.iter().position(|y| (y - mirrored(x)).norm() < 1e-9);

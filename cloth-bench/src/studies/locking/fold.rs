@@ -27,7 +27,6 @@ pub enum Axis {
 
 impl Axis {
     /// Unit vectors along the axis and away from it.
-    #[must_use]
     pub fn directions(self) -> [Vec3; 2] {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let [rising, falling] = [Vec3::new(half, half, 0.0), Vec3::new(half, -half, 0.0)];
@@ -56,7 +55,6 @@ const STEPS: usize = 2000;
 
 impl Fold {
     /// The fold of a sheet of rigidity `rigidity` (N·m), held up to `clamp` (m) from its diagonal.
-    #[must_use]
     pub fn exact(axis: Axis, clamp: Real, rigidity: Real) -> Self {
         let length = std::f64::consts::FRAC_1_SQRT_2 - clamp;
         // The angle at the clamp grows with that at the corner.
@@ -94,7 +92,6 @@ impl Fold {
     }
 
     /// Where a point (m) of the flat sheet lies on the folded one.
-    #[must_use]
     pub fn place(&self, p: &Vec3) -> Vec3 {
         let [along, away] = self.axis.directions();
         let d = p - CENTRE;
@@ -146,7 +143,6 @@ impl Fold {
     }
 
     /// The curvature (1/m) by energy: `E = ½ D κ² A` with the area of the flaps.
-    #[must_use]
     pub fn mean_curvature(&self, rigidity: Real) -> Real {
         let length = std::f64::consts::FRAC_1_SQRT_2 - self.clamp;
         (self.bending_energy / (rigidity * length * length)).sqrt()

@@ -60,7 +60,6 @@ fn by_iterations(scope: Scope) -> Vec<Case> {
 
 /// Every method on every pattern. Those that damp little or nothing of their own get air drag, which changes where
 /// nothing moves any more as little as inertia does.
-#[must_use]
 pub fn by_pattern(cells: usize) -> Vec<Case> {
     let name = |method: &Method| match method.name {
         "symplectic-euler" | "implicit-midpoint" | "bdf2" => {
@@ -96,9 +95,6 @@ pub struct Made {
 }
 
 /// Makes the fold.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error, or if the sheet does not come to rest.
 pub fn make(case: &Case) -> Result<Made, BenchError> {
     let (stiffness, Case { pattern, cells, .. }) = ([MODULUS, RIGIDITY], case);
     let (sheet, exact, _) =
@@ -129,9 +125,6 @@ pub fn make(case: &Case) -> Result<Made, BenchError> {
 }
 
 /// The angle of the fold over the exact one (dimensionless), by a method as [`by_pattern`] sets it.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error, or if the sheet does not come to rest.
 pub fn fold_angle(name: &str, cells: usize) -> Result<Real, BenchError> {
     let is_it = |case: &Case| case.variant.method() == name && case.pattern == "alternating";
     let case = by_pattern(cells).into_iter().find(is_it);

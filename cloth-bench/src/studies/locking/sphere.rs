@@ -91,7 +91,6 @@ struct Drape {
 }
 
 /// Every drape.
-#[must_use]
 pub fn list(scope: Scope) -> Vec<Case> {
     let base = Case {
         pattern: PATTERN,
@@ -231,7 +230,6 @@ fn chain(first: &Case) -> Result<Vec<Drape>, BenchError> {
 }
 
 /// How far (m) the four corners of the unit square are below the highest vertex, in the mean.
-#[must_use]
 pub fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
     let highest = positions
         .iter()
@@ -336,7 +334,6 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
 }
 
 /// How deep (m) the corners are at both moduli with the fewest and the most cells a side, by `METHOD`.
-#[must_use]
 pub fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
     let ours = || made_finer.iter().filter(|(case, _)| case.method == METHOD);
     let cells = || ours().map(|(case, _)| case.cells);
@@ -352,7 +349,6 @@ pub fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
 
 /// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their
 /// patterns.
-#[must_use]
 pub fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
     let at = |pattern: &str, modulus: Real| {
         let wanted = |(case, _): &&(Case, Real)| {

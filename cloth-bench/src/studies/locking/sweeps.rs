@@ -40,7 +40,6 @@ fn fold_sizes(scope: Scope) -> &'static [usize] {
 
 /// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was
 /// estimated to cost as much as its bending.
-#[must_use]
 pub fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Real {
     (702.0 * rigidity * radius * radius / modulus).powf(0.25)
 }
@@ -311,7 +310,6 @@ fn against_length(
 
 /// Where a curve `(l/l*, bending reached)` in ascending order first falls to half of its first value, if it does;
 /// between two points by logarithms.
-#[must_use]
 pub fn halved_at(curve: &[(Real, Real)]) -> Option<Real> {
     let half = 0.5 * curve.first()?.1;
     let pair = curve.windows(2).find(|pair| pair[1].1 <= half)?;

@@ -40,21 +40,18 @@ fn springs() -> [(Spring, Vec3); 2] {
 }
 
 /// `G` (J) at `y` (m) from the middle.
-#[must_use]
 pub fn value(y: Real) -> Real {
     let elastic = springs().map(|(spring, end)| spring.value(&[end, y * Vec3::y()]));
     0.5 * MASS * y * y / (DT * DT) + elastic.iter().sum::<Real>()
 }
 
 /// Where the minima are (m from the middle): the springs as long as inertia lets them be.
-#[must_use]
 pub fn minimum() -> Real {
     let length = LENGTH / (1.0 + MASS / (2.0 * K * DT * DT));
     (length * length - HALF * HALF).sqrt()
 }
 
 /// Places (m from the middle) of Newton's method with full steps.
-#[must_use]
 pub fn newton(convexity: Convexity) -> Vec<Real> {
     let inertia = MASS / (DT * DT);
     let next = |x: &Vec3| {
@@ -136,9 +133,6 @@ pub type Traced = (Vec<Sample>, String);
 const SHEETS: [&str; 2] = ["hanging", "compressed"];
 
 /// Takes the sixteenth step of the hanging sheet, or the first of one that is pressed together by a tenth.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a scene that cannot be built.
 pub fn take(sheet: &str, side: u32, hessian: HessianPolicy) -> Result<Traced, BenchError> {
     let mut scene = scene::build("hang", None, &hanging(side, STIFFNESS))?;
     let mut steps = 15;

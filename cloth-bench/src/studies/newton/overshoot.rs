@@ -41,17 +41,11 @@ fn step(variant: &Variant, z: Real, stretch: Real, across: Real) -> Result<Vec3,
 }
 
 /// Stretch along x over what it was, after a step of a stretched spring.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn along(variant: &Variant, z: Real) -> Result<Real, BenchError> {
     Ok((step(variant, z, STRETCH, 0.0)?.x - 1.0) / STRETCH)
 }
 
 /// Stretch after a step of a spring at rest whose end moves across by so much of its length.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn across(variant: &Variant, z: Real, turn: Real) -> Result<Real, BenchError> {
     Ok(step(variant, z, 0.0, turn)?.norm() - 1.0)
 }

@@ -156,7 +156,6 @@ fn take(
 
 /// Iterations and seconds to an objective error of `goal`. A solver that ends in a lower minimum than the reference is
 /// measured against that: it would pass the other on its way.
-#[must_use]
 pub fn first_within(goal: Real, trace: &[Sample]) -> Option<(u32, Real)> {
     let end = trace.last()?.error.objective;
     let least = end.min(0.0);

@@ -193,7 +193,6 @@ pub(super) fn local_steps(
 
 /// Bytes that the local step of springs has to move: those of a spring, of a position, and of a force that is read and
 /// written.
-#[must_use]
 pub fn local_bytes(springs: &[Spring], x: &[Vec3]) -> usize {
     size_of_val(springs) + 3 * size_of_val(x)
 }

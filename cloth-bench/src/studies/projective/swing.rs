@@ -64,9 +64,6 @@ pub struct Swing {
 
 impl Swing {
     /// Five seconds of a sheet of `n` vertices a side.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] with the method's own error.
     pub fn of(n: u32, method: &str, settings: &Settings) -> Result<Self, BenchError> {
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
         let mut solver = Method::find(method)?.build(&scene, settings, scene.dt)?;
@@ -90,7 +87,6 @@ impl Swing {
     }
 
     /// How it compares with `reference`.
-    #[must_use]
     pub fn relative_to(&self, reference: &Self) -> Errors {
         Errors {
             kinetic: self.kinetic / reference.kinetic - 1.0,
@@ -113,7 +109,6 @@ pub struct Errors {
 
 impl Errors {
     /// Whether the motion is the right one, as far as seconds of it are to be shown.
-    #[must_use]
     pub fn are_small(&self) -> bool {
         self.kinetic.abs() <= KINETIC && self.stretch.abs() <= STRETCH
     }
@@ -191,7 +186,6 @@ pub(super) fn swings(
 }
 
 /// Which of the two gets a swing right first, and what that takes either.
-#[must_use]
 pub fn verdict(rows: &[(&str, &str, Errors)]) -> [String; 3] {
     let cheapest = |wanted: &str| {
         let good = rows

@@ -51,9 +51,6 @@ fn side(scope: Scope) -> u32 {
 }
 
 /// What a sheet of so many vertices a side holds with a feature.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
     // One thread, so that nothing is asked for by another.
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();

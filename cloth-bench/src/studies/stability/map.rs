@@ -150,9 +150,6 @@ impl Map {
     }
 
     /// What a method makes of every value across, with one down.
-    ///
-    /// # Errors
-    /// [`BenchError`] for a method that is not known.
     pub fn row(&self, scope: Scope, down: Real, method: &Variant) -> Result<Vec<Fate>, BenchError> {
         let steps = if scope == Scope::Quick { 20 } else { 60 };
         let (across, _) = self.values(scope);
@@ -167,9 +164,6 @@ impl Map {
 }
 
 /// The worst that came of so many runs, of which one that fails is enough.
-///
-/// # Errors
-/// The first of `run`.
 pub fn worst(
     runs: u64,
     mut run: impl FnMut(u64) -> Result<Fate, BenchError>,
@@ -211,9 +205,6 @@ fn hung(stiffness: Real) -> Result<Scene, BenchError> {
 }
 
 /// The sheet moved by `offset` (m) along each axis: its edges lose as many digits as its coordinates have more.
-///
-/// # Errors
-/// [`BenchError`] of a scene that cannot be built.
 pub fn far_away(offset: Real, stiffness: Real) -> Result<Scene, BenchError> {
     let mut scene = hung(stiffness)?;
     for x in &mut scene.start.positions {
