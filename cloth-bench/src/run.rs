@@ -517,6 +517,17 @@ fn take_steps(
     Ok((summary, scene))
 }
 
+/// So many steps of a method from the start of a scene, and where it ended.
+pub fn simulate(
+    scene: &Scene,
+    method: &Method,
+    settings: &Settings,
+    dt: Real,
+    steps: u32,
+) -> Result<(Summary, State), BenchError> {
+    from_start(scene, method, settings, dt, steps, |_, _, _| Ok(()))
+}
+
 /// A run of a method from the start of a scene, and where it ended; otherwise as [`run`].
 pub fn from_start(
     scene: &Scene,
@@ -548,6 +559,11 @@ fn separation(
 fn height(scene: &Scene, state: &State) -> Real {
     let up = -scene.gravity.try_normalize(0.0).unwrap_or_default();
     measure::center_of_mass(&scene.model.particles, &state.positions).dot(&up)
+}
+
+/// The largest of some values; 0 of none.
+pub fn largest(values: impl IntoIterator<Item = Real>) -> Real {
+    values.into_iter().fold(0.0, Real::max)
 }
 
 /// Median of some times; 0 of none.

@@ -4,10 +4,12 @@
 //!
 //! 1. `study.grid(points, name, measure)` measures every point of a grid that is not finished yet, or `grid_side_by_side`
 //!    where no times are measured, and gives the points with what was found there. What failed is a remark already.
-//! 2. What is measured is a serde struct, kept in the journal; with a struct for the point it is a row.
-//!    `Table::of(&rows)` reads the columns from both, units included.
+//!    Points are tuples such as `iproduct!(methods(), sizes)` gives, or structs.
+//! 2. What is measured is a serde struct, kept in the journal; behind its point it is a row.
+//!    `study.table(name, caption, &rows)` reads the columns from the structs, units included; what a tuple holds is named
+//!    by `Table::named`.
 //! 3. `curves(&rows, |row| (label, (x, y)))` says which columns go where; `Plot::new(title, x, y).with(curves)` draws.
-//! 4. `study.findings.section.verdict` says in words what the rows show.
+//! 4. `study.section.verdict` says in words what the rows show.
 //!
 //! Nothing else has to be told: cases are counted, left out, resumed and joined by the names that the grid gives them.
 //! `recovery` and `threads` are short ones to start from.
@@ -112,6 +114,11 @@ impl Scope {
             Self::Full => full,
         }
     }
+
+    /// The same of a constant: of small sizes first.
+    pub(crate) fn of<T>(self, [quick, full]: [T; 2]) -> T {
+        self.pick(quick, full)
+    }
 }
 
 /// What a study found: a section of the report, and the same as data.
@@ -138,6 +145,11 @@ impl Findings {
         self.answers.extend(part.answers);
     }
 
+    /// Adds a remark below the section.
+    pub(crate) fn note(&mut self, note: String) {
+        self.section.notes.push(note);
+    }
+
     /// Draws a plot and keeps it under a name.
     pub(crate) fn plot(&mut self, name: &str, plot: &Plot) {
         let svg = plot.draw().svg;
@@ -152,8 +164,7 @@ impl Findings {
     ) -> Option<T> {
         let note = |error: BenchError| {
             let failed = capitalised(failed(&error.to_string()));
-            let notes = &mut self.section.notes;
-            notes.push(format!("{failed}: {case}: {error}."));
+            self.note(format!("{failed}: {case}: {error}."));
         };
         outcome.map_err(note).ok()
     }
@@ -177,12 +188,13 @@ impl Findings {
     }
 
     /// Keeps a table as data only.
-    pub(crate) fn data(&mut self, name: &str, table: Table) {
-        self.data.push((name.to_owned(), table));
+    pub(crate) fn data(&mut self, name: &str, table: impl Into<Table>) {
+        self.data.push((name.to_owned(), table.into()));
     }
 
     /// Keeps a table as data and shows it with a caption.
-    pub(crate) fn table(&mut self, name: &str, caption: &str, table: Table) {
+    pub(crate) fn table(&mut self, name: &str, caption: &str, table: impl Into<Table>) {
+        let table = table.into();
         let shown = (name.to_owned(), caption.to_owned(), table.clone());
         self.section.tables.push(shown);
         self.data(name, table);

@@ -183,9 +183,17 @@ impl Table {
     /// # Panics
     /// If a row holds what is no cell, such as a list.
     pub fn of<R: Serialize + Default>(rows: &[R]) -> Self {
+        Self::named(&[], rows)
+    }
+
+    /// The same of rows that hold values without a name, in tuples, which are called `names` in their order.
+    ///
+    /// # Panics
+    /// If there are fewer names, and as [`Table::of`].
+    pub fn named<R: Serialize + Default>(names: &[&'static str], rows: &[R]) -> Self {
         // The columns are there without rows too.
-        let (columns, _) = rows::columns_and_cells(&R::default());
-        let cells = rows.iter().map(|row| rows::columns_and_cells(row).1);
+        let (columns, _) = rows::columns_and_cells(names, &R::default());
+        let cells = rows.iter().map(|row| rows::columns_and_cells(names, row).1);
         Self {
             columns,
             rows: cells.collect(),
@@ -282,6 +290,12 @@ impl Table {
             html += &format!("<tr>{cells}</tr>\n");
         }
         html + "</tbody></table>\n"
+    }
+}
+
+impl<R: Serialize + Default> From<&Vec<R>> for Table {
+    fn from(rows: &Vec<R>) -> Self {
+        Self::of(rows)
     }
 }
 

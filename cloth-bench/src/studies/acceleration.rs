@@ -99,15 +99,15 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         for (variant, reason) in failed {
             let case = format!("{variant}, {problem} at {n} × {n}");
             let failed: Result<(), _> = Err(BenchError::Failed(reason));
-            study.findings.unless_failed(&case, failed);
+            study.unless_failed(&case, failed);
         }
     }
     chains::run(study);
-    study.findings.section.verdict = verdict(&rows);
-    study.findings.table(
+    study.section.verdict = verdict(&rows);
+    study.table(
         "acceleration",
         "Sweeps and time until a hundredth of the error of the prediction is left",
-        Table::of(&rows),
+        &rows,
     );
     Ok(())
 }

@@ -83,7 +83,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let cost = study.chapter("crumpled sheet", |own, now| crumple::run(scope, own, now));
     let told = [Some(scenes), promise, cost];
     let told: Vec<String> = told.into_iter().flatten().collect();
-    study.findings.section.verdict = Some(told.join(" "));
+    study.section.verdict = Some(told.join(" "));
     Ok(())
 }
 
@@ -199,13 +199,10 @@ fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         let ends: Vec<(&str, End)> = ends.collect();
         if !ends.is_empty() {
             let pictures = pictures(&scene, &ends)?;
-            study.findings.section.pictures.extend(pictures);
+            study.section.pictures.extend(pictures);
         }
     }
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("collision", "Scenes with contact", table);
+    study.table("collision", "Scenes with contact", &rows);
     let cells = SCENES.len() * methods().len();
     let crossed = rows
         .iter()

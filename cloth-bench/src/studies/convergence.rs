@@ -245,7 +245,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         samples.extend(rows);
     }
     let what = sheets[0].what();
-    study.findings.answer(
+    study.answer(
         "Which method at which error and size?",
         format!(
             "The fastest to each error, (G − G*)/(G(x̃) − G*), of one implicit Euler step of {what}:"
@@ -254,25 +254,21 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         &format!("figure-convergence-objective-time-{}", sheets[0].file),
     );
     let largest = sheets.last();
-    study.findings.section.verdict = largest.and_then(|largest| verdict(&defaults, largest));
-    study.findings.table(
+    study.section.verdict = largest.and_then(|largest| verdict(&defaults, largest));
+    study.table(
         "convergence-defaults",
         &format!("Every method at its default setting: one step of {what}"),
-        Table::of(&defaults),
+        &defaults,
     );
-    study.findings.table(
+    study.table(
         "convergence-times",
         &format!(
             "How long each way takes to an objective error, from the inertial prediction: one step of {what}"
-        ),
-        Table::of(&times),
-    );
-    study.findings.table(
+        ), &times);
+    study.table(
         "convergence-iterations",
-        &format!("How many iterations each way takes to an objective error, from the inertial prediction: one step of {what}"),
-        Table::of(&iterations),
-    );
-    study.findings.data("convergence", Table::of(&samples));
+        &format!("How many iterations each way takes to an objective error, from the inertial prediction: one step of {what}"), &iterations);
+    study.data("convergence", &samples);
     let of_fall = sheets
         .iter()
         .rfind(|sheet| sheet.scene.start.positions.len() <= 64 * 64);
@@ -424,8 +420,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         let outcome = study.cases.case(&case, || {
             let settings = Settings::default();
             let (steps, dt) = (HALF_A_SECOND, scene.dt);
-            let (summary, end) =
-                run::from_start(scene, method, &settings, dt, steps, |_, _, _| Ok(()))?;
+            let (summary, end) = run::simulate(scene, method, &settings, dt, steps)?;
             let positions = end.positions.into_iter().map(Into::into).collect();
             Ok(Fallen { summary, positions })
         });
@@ -465,7 +460,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
             true => "XPBD: with as many sweeps it is nearer to the converged fall",
             false => "PBD here: with as many sweeps it is nearer to the converged fall",
         };
-        study.findings.answer(
+        study.answer(
             "PBD or XPBD?",
             format!(
                 "{better}. XPBD's stiffness is that of the material as soon as the sweeps suffice, PBD's is not. {} after {duration:.2} s, both with 20 sweeps a step:",
@@ -478,9 +473,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
     let caption = format!(
         "After {duration:.2} s ({HALF_A_SECOND} steps) of {which}: stretch alone misleads, so the fall stands beside it"
     );
-    study
-        .findings
-        .table("hang-half-a-second", &caption, Table::of(&rows));
+    study.table("hang-half-a-second", &caption, &rows);
     if let Some(mesh) = &scene.mesh {
         let everything = sheets.iter().flat_map(|(_, positions)| positions).copied();
         let view = View {
@@ -493,7 +486,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         };
         for (method, positions) in &sheets {
             let cloth = Surface::cloth(positions, mesh.triangles());
-            study.findings.section.pictures.push(Picture {
+            study.section.pictures.push(Picture {
                 png: render(&[cloth], &view)?,
                 caption: format!("{method} after {duration:.2} s"),
             });

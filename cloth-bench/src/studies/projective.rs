@@ -80,14 +80,14 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         factor::local_steps(scope, own, now)
     });
     if let Some(verdict) = &verdict {
-        study.findings.answer(
+        study.answer(
             "Does the convergence of projective dynamics depend on resolution?",
             verdict.0.clone(),
             Some(verdict.1.clone()),
             "figure-projective-size",
         );
     }
-    study.findings.section.verdict = verdict.map(|(told, _)| told);
+    study.section.verdict = verdict.map(|(told, _)| told);
     Ok(())
 }
 
@@ -158,7 +158,7 @@ fn steps(
     findings.table(
         "projective-iterations",
         "Iterations of one step to three errors; empty where the budget did not reach it",
-        Table::of(&by_size),
+        &by_size,
     );
     Ok(verdict)
 }
@@ -276,7 +276,7 @@ fn race(
     findings.table(
         "projective-race",
         "Time to (G − G*)/(G(x̃) − G*) ≤ 1e-3 in the sixteenth step of the hanging sheet; empty where a method did not get there",
-        Table::of(&rows),
+        &rows,
     );
     Ok(())
 }
@@ -391,7 +391,7 @@ fn falls(
     findings.table(
         "projective-fall",
         "The hanging sheet after 0.5 s (30 steps), starting horizontal, k = 1e4 N/m",
-        Table::of(&rows),
+        &rows,
     );
     Ok(())
 }

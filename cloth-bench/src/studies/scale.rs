@@ -104,7 +104,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let reach = study
             .cases
             .parts(name, |progress| reach(scope, name, progress));
-        let Some(reach) = study.findings.unless_failed(name, reach) else {
+        let Some(reach) = study.unless_failed(name, reach) else {
             continue;
         };
         let rows = rows(name, &reach);
@@ -141,22 +141,19 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             [first, most].map(|count| (count, least * count)),
         );
     }
-    study.findings.plot("scale", &plot);
-    let caption = "The hanging sheet, larger and larger";
-    study.findings.table("scale", caption, Table::of(&table));
+    study.plot("scale", &plot);
+    study.table("scale", "The hanging sheet, larger and larger", &table);
     let sizes = sides(scope).iter().map(|n| format!("{n} × {n}"));
     let told = format!(
         "Here the largest of {} vertices that each method gets through within {} s, three steps and all before them:",
         sizes.collect::<Vec<_>>().join(", "),
         budget(scope).as_secs(),
     );
-    study
-        .findings
-        .answer("How large a cloth?", told, Some(largest), "figure-scale");
+    study.answer("How large a cloth?", told, Some(largest), "figure-scale");
     let most = table.iter().map(|row| row.vertices_a_side).max();
     let with = |row: &&Row| Some(row.vertices_a_side) == most;
     let there: Vec<&str> = table.iter().filter(with).map(|row| row.method).collect();
-    study.findings.section.verdict = most.map(|side| {
+    study.section.verdict = most.map(|side| {
         format!(
             "The largest sheet that any method gets through has {side} × {side} vertices: {}.",
             there.join(", ")

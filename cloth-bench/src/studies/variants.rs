@@ -2,6 +2,7 @@
 
 use crate::method::{self, Method};
 use crate::settings::Settings;
+use serde::{Serialize, Serializer};
 
 /// The methods of your own that can be told how often to iterate towards the step of implicit Euler.
 pub(super) fn iterating_own() -> impl Iterator<Item = &'static Method> {
@@ -12,12 +13,19 @@ pub(super) fn iterating_own() -> impl Iterator<Item = &'static Method> {
 }
 
 /// A method with some of its settings, and what it is called.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Variant {
     /// The name of the method, and what is special after a comma.
     pub label: String,
     /// Those that are not as published.
     pub settings: Settings,
+}
+
+/// Of a variant, tables have the label.
+impl Serialize for Variant {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.label.serialize(serializer)
+    }
 }
 
 impl Variant {

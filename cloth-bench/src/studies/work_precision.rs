@@ -129,7 +129,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let mut reference = LazyCell::new(|| Reference::of(scene));
     let doubt = study.cases.case("reference", || Ok(reference.get()?.doubt));
     // Everything else is compared with it.
-    let Some(doubt) = study.findings.unless_failed("reference", doubt) else {
+    let Some(doubt) = study.unless_failed("reference", doubt) else {
         return Ok(());
     };
     let mut rows: Vec<Row> = Vec::new();
@@ -167,7 +167,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             let y = Axis::log("error (dimensionless)").within(1e-5, 1.0);
             let title = format!("{title}, {}", sheet.which());
             let plot = Plot::new(title, Axis::log(x), y).with(series);
-            study.findings.plot(&name, &plot);
+            study.plot(&name, &plot);
         };
         let of = |(row, point): (&Row, (Real, Real))| (row.method.clone(), point);
         draw(
@@ -183,15 +183,15 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             curves(by_step, of),
         );
     }
-    study.findings.table(
+    study.table(
         "work-precision",
         &format!("Three tenths of a second of {}", sheet.what()),
-        Table::of(&rows),
+        &rows,
     );
-    study.findings.section.notes.push(format!(
+    study.note(format!(
         "The reference is known to {doubt:.1e}: the distance between its two extrapolations."
     ));
-    study.findings.section.verdict = Some(verdict(sheet, &rows));
+    study.section.verdict = Some(verdict(sheet, &rows));
     play(study, sheet);
     Ok(())
 }
@@ -246,8 +246,7 @@ impl Reference {
         let at = |substeps: u32| {
             let settings = Settings::default().with("substeps", substeps);
             let method = Method::find("symplectic-euler")?;
-            let (_, end) =
-                run::from_start(scene, method, &settings, scene.dt, steps, |_, _, _| Ok(()))?;
+            let (_, end) = run::simulate(scene, method, &settings, scene.dt, steps)?;
             Ok::<_, BenchError>(end.positions)
         };
         let [coarse, middle, fine] = [at(REFERENCE)?, at(2 * REFERENCE)?, at(4 * REFERENCE)?];
@@ -330,14 +329,14 @@ fn play(study: &mut StudyRun<'_>, sheet: &TestSheet) {
         Ok(Film::of_cloth(mesh.triangles(), &frames))
     });
     for (method, film) in methods.iter().zip(films) {
-        if let Some(film) = study.findings.unless_failed(&case_of(method), film) {
+        if let Some(film) = study.unless_failed(&case_of(method), film) {
             tracks.push(Track {
                 name: method.name.to_owned(),
                 surfaces: vec![film],
             });
         }
     }
-    study.findings.section.playbacks.push(Playback {
+    study.section.playbacks.push(Playback {
         caption: format!(
             "{} for {} s, every method at its default setting with steps of {:.4} s.",
             sheet.which(),

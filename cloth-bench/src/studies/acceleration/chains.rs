@@ -46,5 +46,5 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         .points(curves_of(0, ""))
         .exact_curves(curves_of(1, ", exact"))
         .note("Dashed: from the spectral radii cos a, cos² a, (1 − sin a)/(1 + sin a) and cos a/(1 + sin a), a = π/2N.");
-    study.findings.plot("acceleration-chains", &plot);
+    study.plot("acceleration-chains", &plot);
 }

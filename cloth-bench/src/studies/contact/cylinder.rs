@@ -161,16 +161,10 @@ fn slip(name: &str, turns: usize, friction: Real) -> Result<Measured, BenchError
         }
         step += 1;
         if step > SETTLE && (state.positions[top[0]] - from[step % WITHIN]).norm() > SLIPPED {
-            return Ok(Measured {
-                expected: Number(expected),
-                measured: Number(ratio),
-            });
+            return Ok(Measured::new(expected, ratio));
         }
     }
-    Ok(Measured {
-        expected: Number(expected),
-        measured: Number(Real::INFINITY),
-    })
+    Ok(Measured::new(expected, Real::INFINITY))
 }
 
 /// What contact does in the second half of so many steps, on average (N).
@@ -230,10 +224,10 @@ fn press(name: &str, height_over_radius: Real, cells: usize) -> Result<Measured,
         row.iter().map(|&v| forces.normal[v].dot(&outwards)).sum()
     })?;
     let height = (around + tail * side) / around;
-    Ok(Measured {
-        expected: Number(height - 1.0 + 2.0 * angle.cos()),
-        measured: Number(force / (side * side * DENSITY * G)),
-    })
+    Ok(Measured::new(
+        height - 1.0 + 2.0 * angle.cos(),
+        force / (side * side * DENSITY * G),
+    ))
 }
 
 /// The force of a floor under sheets that lie on each other, over the weight of one.
@@ -244,8 +238,5 @@ pub fn stack(name: &str, sheets: Real) -> Result<Measured, BenchError> {
         -forces.bodies.iter().map(|body| body.force.z).sum::<Real>()
     })?;
     let weight = scene.model.particles.mass().iter().sum::<Real>() * G / sheets;
-    Ok(Measured {
-        expected: Number(sheets),
-        measured: Number(force / weight),
-    })
+    Ok(Measured::new(sheets, force / weight))
 }

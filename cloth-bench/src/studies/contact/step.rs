@@ -62,13 +62,12 @@ impl ContactProblem {
     pub fn new(scene: &str, n: u32, steps_before: u32) -> Result<Self, BenchError> {
         let scene = scene_of(scene, n, "")?;
         let implicit = Method::find("implicit-euler")?;
-        let (_, state) = run::from_start(
+        let (_, state) = run::simulate(
             &scene,
             implicit,
             &Settings::default(),
             scene.dt,
             steps_before,
-            |_, _, _| Ok(()),
         )?;
         let mut predicted = state.positions.clone();
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
@@ -309,19 +308,19 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             samples.extend(finer);
         }
     }
-    study.findings.table(
+    study.table(
         "contact-step",
         "One step in contact, every method at its default (but forward Euler, which is not stable at any)",
-        Table::of(&defaults),
+        &defaults,
     );
-    study
-        .findings
-        .data("contact-step-samples", Table::of(&samples));
-    study.findings.answer(
+    study.data("contact-step-samples", &samples);
+    let first = MOMENTS[0].0;
+    let sides = sides(study.scope, first);
+    study.answer(
         "Which method at which error in contact?",
         "The fastest to a step of implicit Euler; the error is the distance from its end, over that of the inertial prediction.".into(),
         Some(told),
-        &format!("figure-contact-step-{}-position-{}", MOMENTS[0].0, sides(study.scope, MOMENTS[0].0)[0]),
+        &format!("figure-contact-step-{first}-position-{}", sides[0]),
     );
 }
 
@@ -350,7 +349,7 @@ fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[Row]) {
         let error = Axis::log(&format!("{error} (dimensionless)"));
         let plot = Plot::new(title, Axis::log("time of the step (ms)"), error).with(series);
         let name = format!("contact-step-{scene}-{name}-{n}");
-        study.findings.plot(&name, &plot);
+        study.plot(&name, &plot);
     }
 }
 

@@ -126,7 +126,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> bool {
     }))
     .exact("(3 + 4n)/3(n + 1)²", sizes.clone().map(closed_form))
     .note("The dashed curve is the closed form for a square grid with one diagonal a cell.");
-    study.findings.plot("locking-share", &plot);
+    study.plot("locking-share", &plot);
     let plot = Plot::new(
         "How firmly the bent sheet is locked",
         cells,
@@ -136,9 +136,8 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> bool {
         (mesh.pattern, (mesh.cells as Real, found.smallest))
     }))
     .note("Small values are motions that cost next to nothing although no rigid edge allows them.");
-    study.findings.plot("locking-smallest", &plot);
-    let caption = "Counted and measured degrees of freedom";
-    study.findings.table("locking", caption, Table::of(&rows));
+    study.plot("locking-smallest", &plot);
+    study.table("locking", "Counted and measured degrees of freedom", &rows);
     rows.iter().all(|(_, found)| {
         found.nullity_bent as i64 == found.count && found.nullity_flat == found.vertices + 3
     })

@@ -144,7 +144,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
     let told = by_method(&rows, &mut study.findings);
     rows.extend(measured(study, by_iterations(study.scope)));
     let (caption, table) = ("One fold by every method", Table::of(&rows));
-    study.findings.table("locking-methods", caption, table);
+    study.table("locking-methods", caption, table);
     told
 }
 

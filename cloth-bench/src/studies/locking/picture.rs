@@ -107,8 +107,8 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     for picture in pictures(scope) {
         let (name, ..) = picture;
         let svg = study.cases.case(name, || draw(&picture));
-        if let Some(svg) = study.findings.unless_failed(name, svg) {
-            study.findings.section.plots.push((name.into(), svg));
+        if let Some(svg) = study.unless_failed(name, svg) {
+            study.section.plots.push((name.into(), svg));
         }
     }
     Ok(())

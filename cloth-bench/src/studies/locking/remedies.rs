@@ -200,14 +200,14 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             },
         ));
     }
-    study.findings.table(
+    study.table(
         "locking-remedies",
         "Every kind of membrane in the fold: its freedom, what it makes of it, and what it costs",
-        Table::of(&folds),
+        &folds,
     );
-    study.findings.table(
+    study.table(
         "locking-breaks",
         "Every kind of membrane on the cone, and what it breaks: energies over those of the springs",
-        Table::of(&cones),
+        &cones,
     );
 }

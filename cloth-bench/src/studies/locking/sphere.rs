@@ -319,10 +319,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
         .iter()
         .map(|(case, found)| row(case, begins(case.cells), found));
     let rows: Vec<Row> = from_flat.chain(from_coarser).collect();
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("locking-sphere", "Sheets draped over a sphere", table);
+    study.table("locking-sphere", "Sheets draped over a sphere", &rows);
     let depth = |(case, found): &(Case, Drape)| (*case, found.corners);
     let springs = flat.iter().filter(|(case, _)| case.kind == 0);
     let fallen: Vec<(Case, Real)> = springs.map(depth).collect();

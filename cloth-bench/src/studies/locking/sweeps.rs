@@ -132,10 +132,8 @@ pub(super) fn cones(study: &mut StudyRun<'_>) -> OnCones {
     .points([held])
     .exact("1 + (l/l*)⁴", predicted)
     .note("1 is a sheet that follows the cone without stretching. A sheet is locked, and not only stiff, where the energy goes on rising with Y. The dashed curve is the estimate, which holds for vertices that are held on the cone; let go, they leave it.");
-    study.findings.plot("locking-cone", &plot);
-    study
-        .findings
-        .table("locking-cone", "Springs on a cone", Table::of(&rows));
+    study.plot("locking-cone", &plot);
+    study.table("locking-cone", "Springs on a cone", &rows);
     let constant = |row: &ConeRow| row.placed / row.ratio.powi(4);
     let locked = rows.iter().filter(|row| row.ratio > 1.0);
     let left = locked.map(|row| row.membrane_over_developable / row.placed);
@@ -271,16 +269,17 @@ pub(super) fn folds(study: &mut StudyRun<'_>) -> Folds {
     .points(series)
     .exact("1/(1 + (l/l*)⁴)", predicted)
     .note("The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.");
-    study.findings.plot("locking-fold", &plot);
+    study.plot("locking-fold", &plot);
     let length = plot::Axis::log("edge length l (m)");
     let plot = Plot::new("Finer meshes fold", length, reached).with(by_length).note(&format!(
         "Y = {SHOWN:e} N/m, held along the falling diagonal; from right to left the same sheet with finer and finer meshes. Dashed, in the colour of the mesh: 1/(1 + (l/l*)⁴), which is one half at l = l* = (702 D R²/Y)^¼, with the rigidity D that the mesh has about this diagonal and the radius R of its fold. A sheet free to curve across is softer than the developable answer, so 1 can be exceeded."
     ));
-    study.findings.plot("locking-length", &plot);
-    let caption = "Diagonal folds of a sheet of springs";
-    study
-        .findings
-        .table("locking-fold", caption, Table::of(&rows));
+    study.plot("locking-length", &plot);
+    study.table(
+        "locking-fold",
+        "Diagonal folds of a sheet of springs",
+        &rows,
+    );
     let locked = halved.iter().flatten().count();
     Folds {
         halved: ends(halved.iter().flatten().copied()),

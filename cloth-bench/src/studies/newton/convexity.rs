@@ -96,7 +96,7 @@ fn one_vertex(findings: &mut Findings) -> String {
     .exact("saddle point", [(0.0, 0.0), (12.0, 0.0)])
     .note("Across a compressed spring the Hessian is negative. As it is, Newton's method climbs to the saddle point; without the negative part it goes down, by as much as inertia alone allows; with its absolute value it goes down in shorter steps.");
     findings.plot("newton-saddle", &plot);
-    let told = traces.iter().map(|(label, places)| {
+    let mut told = traces.iter().map(|(label, places)| {
         let near = |goal: Real| places.last().is_some_and(|y| (y - goal).abs() < 1e-6);
         let there = match (near(0.0), near(rest)) {
             (true, _) => "the saddle point",
@@ -108,16 +108,13 @@ fn one_vertex(findings: &mut Findings) -> String {
     format!(
         "One vertex between compressed springs, {} mm beside the saddle point, goes with negative eigenvalues by {}.",
         1e3 * START,
-        told.collect::<Vec<_>>().join(", ")
+        told.join(", ")
     )
 }
 
 /// A sheet whose step is taken, what is done about negative eigenvalues, and how Newton's method gets on.
 #[derive(Default, Serialize)]
 struct Taken {
-    sheet: &'static str,
-    #[serde(rename = "negative eigenvalues")]
-    policy: &'static str,
     #[serde(rename = "iterations to a gradient of 1e-3")]
     coarse: Option<u32>,
     #[serde(rename = "iterations to a gradient of 1e-8")]
@@ -168,11 +165,8 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
     let blended = ("exact where it serves", HessianPolicy::ExactFirst);
     let always = POLICIES.map(|(label, convexity)| (label, HessianPolicy::Always(convexity)));
     let policies = || [blended].into_iter().chain(always);
-    let points = SHEETS
-        .into_iter()
-        .flat_map(|sheet| policies().map(move |policy| (sheet, policy)));
     let found = study.grid_side_by_side(
-        points,
+        iproduct!(SHEETS, policies()),
         |(sheet, (policy, _))| format!("negative eigenvalues, {sheet}, {policy}"),
         |&(sheet, (_, hessian))| take(sheet, side, hessian),
     );
@@ -193,9 +187,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
             Axis::log("‖∇G‖/‖∇G(x̃)‖ (dimensionless)"),
         )
         .with(curves);
-        study
-            .findings
-            .plot(&format!("newton-convexity-{sheet}"), &plot);
+        study.plot(&format!("newton-convexity-{sheet}"), &plot);
     }
     let row = |((sheet, (policy, _)), (trace, remark)): ((_, (_, HessianPolicy)), Traced)| {
         let within = |goal: Real| trace.iter().find(|sample| sample.error.gradient <= goal);
@@ -212,8 +204,6 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
     let caption = format!(
         "Newton's method by what it does about negative eigenvalues, {side} × {side} vertices"
     );
-    study
-        .findings
-        .table("newton-convexity", &caption, Table::of(&rows));
+    study.table("newton-convexity", &caption, &rows);
     told
 }

@@ -56,14 +56,10 @@ pub(super) fn draw(findings: &mut Findings) -> Result<String, BenchError> {
     let places = || (0..=72).map(|i| 10.0_f64.powf(-1.0 + Real::from(i) / 36.0));
     let measured = |stretch: &dyn Fn(&Variant, Real) -> Result<Real, BenchError>| {
         let curve = |variant: &Variant| {
-            let points = places().map(|x| Ok((x, stretch(variant, x)?)));
-            let points = points.collect::<Result<Vec<_>, BenchError>>()?;
-            Ok(Series::new(&variant.label, points))
+            let mut points = places().map(|x| Ok::<_, BenchError>((x, stretch(variant, x)?)));
+            Ok::<_, BenchError>(Series::new(&variant.label, points.try_collect()?))
         };
-        variants
-            .iter()
-            .map(curve)
-            .collect::<Result<Vec<_>, BenchError>>()
+        variants.iter().map(curve).try_collect::<_, Vec<_>, _>()
     };
     let stretched = measured(&along)?;
     let plot = Plot::new(

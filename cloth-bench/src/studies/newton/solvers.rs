@@ -85,8 +85,7 @@ impl Solvers {
                 &self.plot(tolerance),
             );
         }
-        let table = Table::of(&self.solves);
-        findings.table("newton-solvers", "Linear solvers", table);
+        findings.table("newton-solvers", "Linear solvers", &self.solves);
         self.verdict()
     }
 
