@@ -33,8 +33,10 @@ pub struct StepProblem {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepError {
     /// `(G − G*)/(G(x̃) − G*)` (dimensionless): 1 at the inertial prediction, 0 at the minimum.
+    #[serde(rename = "objective error")]
     pub objective: Real,
     /// `‖∇G‖/‖∇G(x̃)‖` in the norm of M⁻¹ (dimensionless).
+    #[serde(rename = "gradient error")]
     pub gradient: Real,
 }
 
@@ -42,6 +44,7 @@ pub struct StepError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Iterations so far.
+    #[serde(rename = "iterations")]
     pub iteration: u32,
     /// Seconds so far, without the time spent measuring.
     pub seconds: Real,

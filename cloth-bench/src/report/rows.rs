@@ -8,10 +8,7 @@ use std::fmt;
 ///
 /// # Panics
 /// If the row holds what is no cell.
-pub(super) fn columns_and_cells<R: Serialize>(
-    names: &[&'static str],
-    row: &R,
-) -> (Vec<String>, Vec<Cell>) {
+pub(super) fn columns_and_cells<R: Serialize>(names: &[&str], row: &R) -> (Vec<String>, Vec<Cell>) {
     let mut cells = RowCells {
         names: names.iter(),
         ..RowCells::default()
@@ -26,7 +23,7 @@ pub(super) fn columns_and_cells<R: Serialize>(
 #[derive(Default)]
 struct RowCells<'a> {
     /// Those of values outside of structs.
-    names: std::slice::Iter<'a, &'static str>,
+    names: std::slice::Iter<'a, &'a str>,
     /// The field that is being read; empty outside of structs.
     field: &'static str,
     columns: Vec<String>,

@@ -183,38 +183,24 @@ impl Table {
     /// # Panics
     /// If a row holds what is no cell, such as a list.
     pub fn of<R: Serialize + Default>(rows: &[R]) -> Self {
-        Self::named(&[], rows)
+        Self::named::<&str, R>(&[], rows)
     }
 
     /// The same of rows that hold values without a name, in tuples, which are called `names` in their order.
     ///
     /// # Panics
     /// If there are fewer names, and as [`Table::of`].
-    pub fn named<R: Serialize + Default>(names: &[&'static str], rows: &[R]) -> Self {
+    pub fn named<S: AsRef<str>, R: Serialize + Default>(names: &[S], rows: &[R]) -> Self {
+        let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
         // The columns are there without rows too.
-        let (columns, _) = rows::columns_and_cells(names, &R::default());
-        let cells = rows.iter().map(|row| rows::columns_and_cells(names, row).1);
+        let (columns, _) = rows::columns_and_cells(&names, &R::default());
+        let cells = rows
+            .iter()
+            .map(|row| rows::columns_and_cells(&names, row).1);
         Self {
             columns,
             rows: cells.collect(),
         }
-    }
-
-    /// Adds one row, each cell with its column; the first row names the columns of an empty table.
-    ///
-    /// # Panics
-    /// If the table has other columns.
-    pub fn push<const N: usize>(&mut self, row: [(&str, Cell); N]) {
-        let names = row.each_ref().map(|(name, _)| *name);
-        if self.columns.is_empty() {
-            self.columns = names.map(str::to_owned).into();
-        }
-        assert!(
-            self.columns == names,
-            "{names:?} are not the columns {:?}",
-            self.columns
-        );
-        self.rows.push(row.map(|(_, cell)| cell).into());
     }
 
     /// As a CSV file (RFC 4180: comma, CRLF, first line the column names), at full precision.

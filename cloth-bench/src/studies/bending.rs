@@ -22,7 +22,9 @@ pub(super) const STUDY: Study = Study {
 /// Γ on which every model is measured.
 const LOADS: [&[Real]; 2] = [
     &[0.1, 10.0, 1000.0],
-    &[0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0],
+    &[
+        0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0,
+    ],
 ];
 /// Rows of the strips.
 const ROWS: [usize; 2] = [128, 256];
@@ -125,8 +127,13 @@ fn elastica(study: &mut StudyRun<'_>) -> Option<Real> {
     let load = Axis::log("Γ = ρ g L³/D (dimensionless)");
     let height = Axis::log("drop over span H/W (dimensionless)");
     let plot = Plot::new("A strip under its own weight", load.clone(), height)
-        .points(curves(&strips, |((name, gamma), s)| (*name, (*gamma, s.measured))))
-        .exact("heavy elastica, exact", exact.map(|gamma| (gamma, ratio(gamma))))
+        .points(curves(&strips, |((name, gamma), s)| {
+            (*name, (*gamma, s.measured))
+        }))
+        .exact(
+            "heavy elastica, exact",
+            exact.map(|gamma| (gamma, ratio(gamma))),
+        )
         .note("The dashed curve is the exact solution of θ″ + Γ(1 − s) cos θ = 0.");
     study.plot("bending-elastica", &plot);
     let errors = curves(&strips, |((name, gamma), s)| {
@@ -138,7 +145,11 @@ fn elastica(study: &mut StudyRun<'_>) -> Option<Real> {
     );
     study.plot("bending-elastica-error", &plot);
     let table = Table::named(&["model", "Γ"], &strips);
-    study.table("bending-elastica", "Drop over span of a heavy strip at rest", table);
+    study.table(
+        "bending-elastica",
+        "Drop over span of a heavy strip at rest",
+        table,
+    );
     let errors = strips.iter().map(|(_, strip)| strip.relative_error.abs());
     (strips.len() == asked).then(|| largest(errors))
 }
@@ -152,7 +163,9 @@ fn refinement(study: &mut StudyRun<'_>) {
         |(name, gamma, rows)| format!("{name}, Γ = {gamma}, {rows} rows"),
         |&(name, gamma, rows)| Hanging::at_rest(gamma, Model::named(name), long_triangles(rows)),
     );
-    let strips = found.into_iter().map(|(at, strip)| (at, strip.relative_error));
+    let strips = found
+        .into_iter()
+        .map(|(at, strip)| (at, strip.relative_error));
     let strips = strips.collect_vec();
     let second = rows.map(|rows| (rows as Real, 2.0 * (32.0 / rows as Real).powi(2)));
     let plot = Plot::new(
@@ -239,7 +252,7 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
         settling,
         |(label, ..)| format!("cylinder on {label}"),
         |&(_, pattern, settled)| {
-            let mut factors = directions(24).map(|degrees| factor(at(pattern, settled, degrees)));
+            let factors = directions(24).map(|degrees| factor(at(pattern, settled, degrees)));
             factors.try_collect::<_, Vec<_>, _>()
         },
     );
@@ -266,6 +279,8 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
         table,
     );
     let all = found.iter().map(|(_, found)| found);
-    let all = all.chain(by_direction.iter().map(|(_, found)| found)).flatten();
+    let all = all
+        .chain(by_direction.iter().map(|(_, found)| found))
+        .flatten();
     largest(all.map(|[expected, measured]| (measured / expected - 1.0).abs()))
 }

@@ -235,7 +235,9 @@ fn oscillators(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         })
     };
     let rows: Vec<OscillatorRow> = found.iter().map(row).collect::<Result<_, BenchError>>()?;
-    let curves = found.iter().map(|((label, ..), kept)| kept.curve(label, 0.0));
+    let curves = found
+        .iter()
+        .map(|((label, ..), kept)| kept.curve(label, 0.0));
     let exact = |sign: Real| {
         let z = OMEGA / Real::from(RATE);
         let times = (0..=50).map(|k| 0.2 * Real::from(k));
@@ -297,7 +299,9 @@ fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError>
         );
         found.retain(|(_, kept)| kept.is_whole());
         let title = format!("A free sheet, {}", name_of(setting));
-        let curves = found.iter().map(|((label, ..), kept)| kept.curve(label, 0.0));
+        let curves = found
+            .iter()
+            .map(|((label, ..), kept)| kept.curve(label, 0.0));
         let name = format!("energy-free-{n}-{rate}");
         study.plot(&name, &over_time(&title).with(curves));
         for (place, momentum) in ["linear", "angular"].into_iter().enumerate() {
@@ -377,7 +381,9 @@ fn held_sheets(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
             },
         );
         found.retain(|(_, (kept, _))| kept.is_whole());
-        let curves = found.iter().map(|((label, ..), (kept, floor))| kept.curve(label, floor.0));
+        let curves = found
+            .iter()
+            .map(|((label, ..), (kept, floor))| kept.curve(label, floor.0));
         let curves = curves.collect_vec();
         for (((method, ..), (kept, floor)), curve) in found.into_iter().zip(&curves) {
             let row = HeldRow {

@@ -169,35 +169,47 @@ pub(super) struct Folded {
     pub(super) angle: Real,
 }
 
-/// What there is to tell of a [`Folded`].
+/// What there is to tell of a [`Folded`], as columns.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct FoldFigures {
+pub(super) struct Shown {
+    #[serde(rename = "rigidity over D")]
+    pub(super) factor: Real,
+    #[serde(rename = "fold angle")]
+    angle: Real,
+    exact_angle: Real,
+    #[serde(rename = "bending reached")]
+    pub(super) bending: Real,
+    #[serde(rename = "membrane over bending")]
+    membrane: Real,
+    iterations: u32,
+    last_move: Real,
+}
+
+/// The same, with what it is compared by.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Figures {
     /// [`Sheet::edge_length`] (m).
     pub(super) edge_length: Real,
     /// As in [`Folded`].
-    pub(super) factor: Real,
     pub(super) radius: Real,
-    pub(super) bending: Real,
-    pub(super) membrane: Real,
-    pub(super) angle: Real,
-    /// [`Fold::exact_angle`] (°).
-    pub(super) exact_angle: Real,
-    pub(super) iterations: u32,
-    pub(super) last_move: Real,
+    pub(super) shown: Shown,
 }
 
 impl Folded {
-    pub(super) fn figures(&self) -> Result<FoldFigures, BenchError> {
-        Ok(FoldFigures {
-            edge_length: self.sheet.edge_length()?,
+    pub(super) fn figures(&self) -> Result<Figures, BenchError> {
+        let shown = Shown {
             factor: self.factor,
-            radius: self.radius,
-            bending: self.bending,
-            membrane: self.membrane,
             angle: self.angle,
             exact_angle: self.exact.exact_angle(),
+            bending: self.bending,
+            membrane: self.membrane,
             iterations: self.rest.iterations,
             last_move: self.rest.last_move,
+        };
+        Ok(Figures {
+            edge_length: self.sheet.edge_length()?,
+            radius: self.radius,
+            shown,
         })
     }
 }

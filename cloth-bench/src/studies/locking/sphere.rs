@@ -101,42 +101,34 @@ pub fn list(scope: Scope) -> Vec<Case> {
         cells: 16,
     };
     let mut cases = Vec::new();
-    for &pattern in patterns(scope) {
-        cases.extend(MODULI.map(|modulus| Case {
-            pattern,
-            modulus,
-            ..base
-        }));
-    }
+    let of_pattern = |(&pattern, modulus)| Case {
+        pattern,
+        modulus,
+        ..base
+    };
+    cases.extend(iproduct!(patterns(scope), MODULI).map(of_pattern));
     if scope == Scope::Quick {
         return cases;
     }
     // Midpoints have no surface that contact knows of.
     let others = (1..KINDS.len()).filter(|&kind| KINDS[kind].1 != Kind::Midpoints);
-    for kind in others {
-        cases.extend(MODULI.map(|modulus| Case {
-            kind,
-            modulus,
-            ..base
-        }));
-    }
+    let of_kind = |(kind, modulus)| Case {
+        kind,
+        modulus,
+        ..base
+    };
+    cases.extend(iproduct!(others, MODULI).map(of_kind));
     let own = iterating_own().map(|own| (own.name, 0));
-    let compared = [
-        ("implicit-euler", 0),
-        ("pd", 0),
-        ("xpbd", 0),
-        ("pbd", 5),
-        ("pbd", 20),
-        ("pbd", 80),
-        ("pbd", 320),
-    ];
-    for (method, iterations) in compared.into_iter().chain(own) {
-        cases.push(Case {
-            method,
-            iterations,
-            ..base
-        });
-    }
+    let compared = ["implicit-euler", "pd", "xpbd"].map(|method| (method, 0));
+    let compared = compared
+        .into_iter()
+        .chain([5, 20, 80, 320].map(|count| ("pbd", count)));
+    let of_method = |(method, iterations)| Case {
+        method,
+        iterations,
+        ..base
+    };
+    cases.extend(compared.chain(own).map(of_method));
     cases
 }
 
@@ -231,16 +223,12 @@ fn chain(first: &Case) -> Result<Vec<Drape>, BenchError> {
 
 /// How far (m) the four corners of the unit square are below the highest vertex, in the mean.
 pub fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
-    let highest = positions
-        .iter()
-        .map(|p| p.z)
-        .fold(Real::NEG_INFINITY, Real::max);
+    let heights = positions.iter().map(|p| p.z);
+    let highest = heights.fold(Real::NEG_INFINITY, Real::max);
     let corner = |x: Real, y: Real| {
         let far = |p: &Vec3| (p.x - x).powi(2) + (p.y - y).powi(2);
-        let nearest = rest
-            .iter()
-            .zip(positions)
-            .min_by(|(p, _), (q, _)| far(p).total_cmp(&far(q)));
+        let both = rest.iter().zip(positions);
+        let nearest = both.min_by(|(p, _), (q, _)| far(p).total_cmp(&far(q)));
         nearest.map_or(0.0, |(_, p)| highest - p.z)
     };
     0.25 * (corner(0.0, 0.0) + corner(1.0, 0.0) + corner(0.0, 1.0) + corner(1.0, 1.0))
@@ -255,16 +243,9 @@ pub(super) struct Drapes {
     pub(super) sizes: Option<[(usize, [Real; 2]); 2]>,
 }
 
-/// A drape, how it began, and what came of it.
+/// What came of a drape.
 #[derive(Default, Serialize)]
 struct Row {
-    pattern: &'static str,
-    cells: usize,
-    membrane: &'static str,
-    #[serde(rename = "Y")]
-    modulus: Real,
-    method: String,
-    begins: &'static str,
     #[serde(rename = "coordinates − conditions")]
     coordinates_left: i64,
     nullity_draped: usize,
@@ -276,14 +257,28 @@ struct Row {
     steps_to_rest: Option<u32>,
 }
 
-fn row(case: &Case, begins: &'static str, found: &Drape) -> Row {
-    Row {
-        pattern: case.pattern,
-        cells: case.cells,
-        membrane: KINDS[case.kind].0,
-        modulus: case.modulus,
-        method: case.solver(),
+/// What [`row`] says of a drape beside that.
+const HEAD: [&str; 6] = ["pattern", "cells", "membrane", "Y", "method", "begins"];
+type Head = (
+    &'static str,
+    usize,
+    &'static str,
+    Real,
+    String,
+    &'static str,
+);
+
+fn row(case: &Case, begins: &'static str, found: &Drape) -> (Head, Row) {
+    let membrane = KINDS[case.kind].0;
+    let head = (
+        case.pattern,
+        case.cells,
+        membrane,
+        case.modulus,
+        case.solver(),
         begins,
+    );
+    let row = Row {
         coordinates_left: found.coordinates_left,
         nullity_draped: found.nullity,
         corners_below_the_top: found.corners,
@@ -291,7 +286,8 @@ fn row(case: &Case, begins: &'static str, found: &Drape) -> Row {
         membrane_over_bending: found.membrane / found.bending,
         rms_strain: found.rms_strain,
         steps_to_rest: found.steps,
-    }
+    };
+    (head, row)
 }
 
 pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
@@ -307,19 +303,16 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
         SIZES.into_iter().zip(drapes).map(of_size)
     });
     let finer: Vec<(Case, Drape)> = finer.collect();
-    let begins = |cells| {
-        if cells == SIZES[0] {
-            "flat"
-        } else {
-            "from the coarser"
-        }
+    let begins = |case: &Case| match case.cells == SIZES[0] {
+        true => "flat",
+        false => "from the coarser",
     };
     let from_flat = flat.iter().map(|(case, found)| row(case, "flat", found));
     let from_coarser = finer
         .iter()
-        .map(|(case, found)| row(case, begins(case.cells), found));
-    let rows: Vec<Row> = from_flat.chain(from_coarser).collect();
-    study.table("locking-sphere", "Sheets draped over a sphere", &rows);
+        .map(|(case, found)| row(case, begins(case), found));
+    let rows = Table::named(&HEAD, &from_flat.chain(from_coarser).collect_vec());
+    study.table("locking-sphere", "Sheets draped over a sphere", rows);
     let depth = |(case, found): &(Case, Drape)| (*case, found.corners);
     let springs = flat.iter().filter(|(case, _)| case.kind == 0);
     let fallen: Vec<(Case, Real)> = springs.map(depth).collect();
@@ -353,11 +346,8 @@ pub fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
         };
         fallen.iter().find(wanted).map(|&(_, depth)| depth)
     };
-    let ratios = count::PATTERNS
-        .into_iter()
-        .filter_map(|pattern| Some((pattern, at(pattern, MODULI[1])? / at(pattern, MODULI[0])?)));
-    let ratios: Vec<(&'static str, Real)> = ratios.collect();
-    let least = ratios.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let most = ratios.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some([*least, *most])
+    let ratio = |pattern| Some((pattern, at(pattern, MODULI[1])? / at(pattern, MODULI[0])?));
+    let ratios = count::PATTERNS.into_iter().filter_map(ratio);
+    let (least, most) = ratios.minmax_by(|a, b| a.1.total_cmp(&b.1)).into_option()?;
+    Some([least, most])
 }

@@ -185,25 +185,27 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
             format!("What is done about negative eigenvalues: a {sheet} sheet, {side} × {side}"),
             Axis::log("iterations of Newton's method (dimensionless)"),
             Axis::log("‖∇G‖/‖∇G(x̃)‖ (dimensionless)"),
-        )
-        .with(curves);
-        study.plot(&format!("newton-convexity-{sheet}"), &plot);
+        );
+        study.plot(&format!("newton-convexity-{sheet}"), &plot.with(curves));
     }
     let row = |((sheet, (policy, _)), (trace, remark)): ((_, (_, HessianPolicy)), Traced)| {
-        let within = |goal: Real| trace.iter().find(|sample| sample.error.gradient <= goal);
-        Taken {
-            sheet,
-            policy,
-            coarse: within(1e-3).map(|sample| sample.iteration),
-            sharp: within(1e-8).map(|sample| sample.iteration),
+        let within = |goal: Real| {
+            let sample = trace.iter().find(|sample| sample.error.gradient <= goal);
+            sample.map(|sample| sample.iteration)
+        };
+        let taken = Taken {
+            coarse: within(1e-3),
+            sharp: within(1e-8),
             objective_error: trace.last().map(|sample| sample.error.objective),
             remark,
-        }
+        };
+        ((sheet, policy), taken)
     };
-    let rows: Vec<Taken> = found.into_iter().map(row).collect();
+    let rows = found.into_iter().map(row).collect_vec();
     let caption = format!(
         "Newton's method by what it does about negative eigenvalues, {side} × {side} vertices"
     );
-    study.table("newton-convexity", &caption, &rows);
+    let table = Table::named(&["sheet", "negative eigenvalues"], &rows);
+    study.table("newton-convexity", &caption, table);
     told
 }

@@ -56,7 +56,7 @@ pub(super) fn draw(findings: &mut Findings) -> Result<String, BenchError> {
     let places = || (0..=72).map(|i| 10.0_f64.powf(-1.0 + Real::from(i) / 36.0));
     let measured = |stretch: &dyn Fn(&Variant, Real) -> Result<Real, BenchError>| {
         let curve = |variant: &Variant| {
-            let mut points = places().map(|x| Ok::<_, BenchError>((x, stretch(variant, x)?)));
+            let points = places().map(|x| Ok::<_, BenchError>((x, stretch(variant, x)?)));
             Ok::<_, BenchError>(Series::new(&variant.label, points.try_collect()?))
         };
         variants.iter().map(curve).try_collect::<_, Vec<_>, _>()

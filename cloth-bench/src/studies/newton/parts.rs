@@ -135,25 +135,21 @@ impl Parts {
             curve("line search", |i| i.line_search),
         ]);
         findings.plot("newton-parts", &plot);
-        for (name, caption, table) in [
-            (
-                "parts",
-                "Parts of a Newton iteration",
-                Table::of(&self.iterations),
-            ),
-            (
-                "orderings",
-                "Orderings of the factorisation",
-                Table::of(&self.eliminations),
-            ),
-            (
-                "products",
-                "Products with the matrix",
-                Table::of(&self.products),
-            ),
-        ] {
-            findings.table(&format!("newton-{name}"), caption, table);
-        }
+        findings.table(
+            "newton-parts",
+            "Parts of a Newton iteration",
+            &self.iterations,
+        );
+        findings.table(
+            "newton-orderings",
+            "Orderings of the factorisation",
+            &self.eliminations,
+        );
+        findings.table(
+            "newton-products",
+            "Products with the matrix",
+            &self.products,
+        );
         let (Some(first), Some(last)) = (self.iterations.first(), self.iterations.last()) else {
             return String::new();
         };

@@ -56,13 +56,18 @@ fn of_other_stiffness(scope: Scope) -> impl Iterator<Item = Problem> {
 
 fn problems(scope: Scope) -> Vec<Problem> {
     let sides = scope.of(super::SIDES).iter().copied();
-    sides.map(Problem::of_side).chain(of_other_stiffness(scope)).collect()
+    sides
+        .map(Problem::of_side)
+        .chain(of_other_stiffness(scope))
+        .collect()
 }
 
 /// Label, how much is minimised by what, and the linear solver.
 fn solvers() -> [(&'static str, Solve, LinearMethod); 7] {
     let budget = StoppingCriteria::default();
-    use LinearMethod::{ChebyshevJacobi, Cholesky, ConjugateGradients, GaussSeidel, Jacobi, Multigrid};
+    use LinearMethod::{
+        ChebyshevJacobi, Cholesky, ConjugateGradients, GaussSeidel, Jacobi, Multigrid,
+    };
     let newton = |label, linear| (label, Solve::Newton, linear);
     let multigrid = LinearMethod::default();
     [
@@ -164,20 +169,21 @@ pub(super) fn conditions(system: &System) -> Result<[Real; 2], BenchError> {
 /// Measures all, and says who is the fastest. `of_sides` are the sides whose conditions are known, with these.
 pub(super) fn run(study: &mut StudyRun<'_>, of_sides: &[(u32, [Real; 2])]) -> String {
     let scope = study.scope;
-    let of_sides = of_sides.iter().map(|&(side, found)| (Problem::of_side(side), found));
+    let of_sides = of_sides
+        .iter()
+        .map(|&(side, found)| (Problem::of_side(side), found));
     let mut rows = of_sides.collect_vec();
     rows.extend(study.grid(
         of_other_stiffness(scope),
         |problem| format!("condition, {}", problem.name()),
         |problem| conditions(&System::falling(problem.side, problem.stiffness)?),
     ));
-    let row = |(problem, [plain, preconditioned]): (Problem, [Real; 2])| Conditions {
-        problem,
-        plain,
-        preconditioned,
-    };
-    let rows: Vec<Conditions> = rows.into_iter().map(row).collect();
-    study.table("newton-conditions", "Condition numbers", &rows);
+    let names = ["condition number of A", "condition number of D⁻¹A"];
+    study.table(
+        "newton-conditions",
+        "Condition numbers",
+        Table::named(&names, &rows),
+    );
     let mut all: Vec<Taken> = Vec::new();
     for solver in solvers() {
         let case = format!("steps, {}", solver.0);
@@ -192,7 +198,11 @@ pub(super) fn run(study: &mut StudyRun<'_>, of_sides: &[(u32, [Real; 2])]) -> St
 
 fn report(scope: Scope, all: &[Taken], findings: &mut Findings) {
     let of_problem = |problem| all.iter().filter(move |one| one.problem == problem);
-    let rows = problems(scope).into_iter().flat_map(of_problem).cloned().collect_vec();
+    let rows = problems(scope)
+        .into_iter()
+        .flat_map(of_problem)
+        .cloned()
+        .collect_vec();
     findings.table(
         "newton-steps",
         "Whole steps to equal errors; empty where a solver did not get there, and without a line beyond",
@@ -226,7 +236,9 @@ fn verdict(scope: Scope, all: &[Taken]) -> String {
     let Some(&side) = scope.of(super::SIDES).last() else {
         return String::new();
     };
-    let largest = all.iter().filter(|one| one.problem == Problem::of_side(side));
+    let largest = all
+        .iter()
+        .filter(|one| one.problem == Problem::of_side(side));
     let times = largest.filter_map(|one| Some((&one.solver, one.sharp_iterations?, one.sharp_ms?)));
     let times = times.sorted_by(|a, b| a.2.total_cmp(&b.2));
     let mut each =

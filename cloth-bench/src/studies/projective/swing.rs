@@ -1,7 +1,6 @@
 //! Five seconds of the hanging sheet: what too few iterations a step do to its swinging, of projective dynamics and of
 //! implicit Euler.
 
-use super::super::{Findings, Scope};
 use super::{LONG, SHORT};
 use crate::studies::prelude::*;
 use cloth_core::measure::{Strain, kinetic_energy};
@@ -46,16 +45,11 @@ pub const PD: &str = "pd";
 /// The name of implicit Euler.
 pub const EULER: &str = "implicit-euler";
 
-pub(super) fn sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[13],
-        // Implicit Euler alone would take a minute at 128.
-        Scope::Full => &[32, 64],
-    }
-}
+/// Vertices a side. Implicit Euler alone would take a minute at 128.
+const SIZES: [&[u32]; 2] = [&[13], &[32, 64]];
 
 /// Means over the last steps, and the end.
-#[derive(Debug)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Swing {
     kinetic: Real,
     stretch: Real,
@@ -118,61 +112,73 @@ impl Errors {
 const KINETIC: Real = 0.15;
 const STRETCH: Real = 0.05;
 
-pub(super) fn swings(
-    scope: Scope,
-    findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
-) -> Result<(), BenchError> {
-    let mut table = Table::default();
+/// A swing; relative is to converged implicit Euler.
+#[derive(Default, Serialize)]
+struct Row {
+    #[serde(rename = "largest stretch, mean")]
+    stretch: Real,
+    #[serde(rename = "relative to implicit Euler")]
+    relative_stretch: Real,
+    #[serde(rename = "largest stretch at the end, relative")]
+    end_stretch: Real,
+    #[serde(rename = "kinetic energy, mean (J)")]
+    kinetic: Real,
+    #[serde(rename = "kinetic energy, relative")]
+    relative_kinetic: Real,
+    #[serde(rename = "elastic energy at the end (J)")]
+    elastic: Real,
+    ms_per_step: Real,
+}
+
+pub(super) fn swings(study: &mut StudyRun<'_>) {
+    let converged = ("implicit Euler, converged", EULER, CONVERGED);
+    let settings = [converged].into_iter().chain(SETTINGS);
+    let found = study.grid(
+        iproduct!(study.scope.of(SIZES).iter().copied(), settings),
+        |(n, (label, ..))| format!("{label} for five seconds, {n} × {n}"),
+        |&(n, (_, method, settings))| Swing::of(n, method, &Settings::of(settings)),
+    );
     let columns = [
         "vertices",
         "the better",
         "implicit Euler, cut short",
         "projective dynamics",
     ];
-    let mut judged = Table::new(&columns);
-    for &n in sizes(scope) {
-        progress(&format!("projective: five seconds, {n} × {n}"));
-        let converged = Swing::of(n, EULER, &Settings::of(CONVERGED))?;
-        let mut push = |label: &str, swing: &Swing| {
-            let errors = swing.relative_to(&converged);
-            table.push([
-                ("n", Cell::from(n as usize)),
-                ("setting", Cell::from(label)),
-                ("largest stretch, mean", Cell::from(swing.stretch)),
-                ("relative to implicit Euler", Cell::from(errors.stretch)),
-                (
-                    "largest stretch at the end, relative",
-                    Cell::from(swing.end.max_stretch / converged.end.max_stretch - 1.0),
-                ),
-                ("kinetic energy, mean (J)", Cell::from(swing.kinetic)),
-                ("kinetic energy, relative", Cell::from(errors.kinetic)),
-                (
-                    "elastic energy at the end (J)",
-                    Cell::from(swing.end.elastic_energy),
-                ),
-                ("ms per step", Cell::from(errors.ms)),
-            ]);
-            errors
-        };
-        push("implicit Euler, converged", &converged);
-        let mut rows = Vec::new();
-        for (label, method, settings) in SETTINGS {
-            progress(&format!("projective: {label} for five seconds, {n} × {n}"));
-            let outcome = Swing::of(n, method, &Settings::of(settings));
-            if let Some(swing) = findings.unless_failed(label, outcome) {
-                rows.push((label, method, push(label, &swing)));
-            }
+    let (mut rows, mut judged) = (Vec::new(), Table::new(&columns));
+    for of_size in found.chunk_by(|((n, _), _), ((other, _), _)| n == other) {
+        let ((n, first), right) = &of_size[0];
+        if *first != converged {
+            continue; // it failed, which is a remark already
         }
+        let row = |swing: &Swing| {
+            let errors = swing.relative_to(right);
+            Row {
+                stretch: swing.stretch,
+                relative_stretch: errors.stretch,
+                end_stretch: swing.end.max_stretch / right.end.max_stretch - 1.0,
+                kinetic: swing.kinetic,
+                relative_kinetic: errors.kinetic,
+                elastic: swing.end.elastic_energy,
+                ms_per_step: errors.ms,
+            }
+        };
+        rows.extend(
+            of_size
+                .iter()
+                .map(|((n, (label, ..)), swing)| ((*n, *label), row(swing))),
+        );
+        let errors = of_size[1..]
+            .iter()
+            .map(|((_, (label, method, _)), swing)| (*label, *method, swing.relative_to(right)));
         let sheet = Cell::said(format!("{n} × {n}"));
-        judged.line(sheet, verdict(&rows).map(Cell::said));
+        judged.line(sheet, verdict(&errors.collect_vec()).map(Cell::said));
     }
-    findings.table(
+    study.table(
         "projective-swing",
         "The hanging sheet after five seconds (300 steps); means over the last 100",
-        table,
+        Table::named(&["n", "setting"], &rows),
     );
-    findings.answer(
+    study.answer(
         "Is the implicit Euler step, cut short, better than projective dynamics at equal time?",
         format!(
             "The fastest of either whose mean kinetic energy is within {} and whose mean stretch is within {} of converged implicit Euler's after five seconds:",
@@ -182,7 +188,6 @@ pub(super) fn swings(
         Some(judged),
         "table-projective-swing",
     );
-    Ok(())
 }
 
 /// Which of the two gets a swing right first, and what that takes either.
