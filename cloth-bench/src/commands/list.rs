@@ -58,7 +58,9 @@ fn entries() -> [(&'static str, Vec<Entry>); 7] {
     let plain = |name, about| entry(name, about, &[]);
     let scenes = SCENES.iter();
     let scenes = scenes.map(|s| with_defaults(s.name, s.about, &s.groups(), s.defaults()));
-    let sections = file::SECTIONS.iter().map(|s| entry(s.head, s.about, s.keys));
+    let sections = file::SECTIONS
+        .iter()
+        .map(|s| entry(s.head, s.about, s.keys));
     let methods = method::all();
     let methods = methods.map(|m| with_defaults(m.name, m.about, &m.parameters(), m.defaults()));
     let laws = LAWS.iter().map(|l| entry(l.name, l.about, l.parameters));
@@ -67,9 +69,18 @@ fn entries() -> [(&'static str, Vec<Entry>); 7] {
         ("scenes", scenes.collect()),
         (SCENE_FILES, sections.collect()),
         ("methods", methods.collect()),
-        ("studies", STUDIES.iter().map(|s| plain(s.name, s.question)).collect()),
+        (
+            "studies",
+            STUDIES.iter().map(|s| plain(s.name, s.question)).collect(),
+        ),
         ("laws", laws.collect()),
-        ("ccd-methods", ccd::METHODS.iter().map(|m| plain(m.name, m.about)).collect()),
+        (
+            "ccd-methods",
+            ccd::METHODS
+                .iter()
+                .map(|m| plain(m.name, m.about))
+                .collect(),
+        ),
         ("meshes", meshes.collect()),
     ]
 }

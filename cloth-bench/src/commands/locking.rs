@@ -30,8 +30,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     pairs.push(("rank_threshold", json!(RANK_THRESHOLD)));
     let flat = ["rank_flat", "nullity_flat", "self_stresses_flat"];
     let bent = ["rank_bent", "nullity_bent", "self_stresses_bent"];
-    let smallest = ["smallest_nonzero_singular_value_flat", "smallest_nonzero_singular_value_bent"];
-    for (names, last, rank) in [(flat, smallest[0], found.flat), (bent, smallest[1], found.bent)] {
+    let smallest = [
+        "smallest_nonzero_singular_value_flat",
+        "smallest_nonzero_singular_value_bent",
+    ];
+    for (names, last, rank) in [
+        (flat, smallest[0], found.flat),
+        (bent, smallest[1], found.bent),
+    ] {
         let counts = [rank.rank, rank.nullity, rank.self_stresses];
         pairs.extend(names.into_iter().zip(counts.map(|count| json!(count))));
         pairs.push((last, json!(rank.smallest_nonzero_singular_value)));

@@ -328,13 +328,20 @@ fn simulate(
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
     let (energy, budget) = (summary.energy_warning(), summary.budget_warning());
-    let warnings = energy.into_iter().chain(budget).chain(summary.pinch_warning());
+    let warnings = energy
+        .into_iter()
+        .chain(budget)
+        .chain(summary.pinch_warning());
     for warning in warnings.chain(crossing_warnings(start, &summary, seen.as_ref())?) {
         eprintln!("warning: {warning}");
     }
     let gain = summary.energy_gain.map(BenchError::failed);
     let failure = gain.or(summary.tangled.map(BenchError::Failed));
-    pairs.extend(failure.iter().map(|error| ("error", json!(error.to_string()))));
+    pairs.extend(
+        failure
+            .iter()
+            .map(|error| ("error", json!(error.to_string()))),
+    );
     print_pairs(arguments.json, &pairs)?;
     failure.map_or(Ok(()), Err)
 }

@@ -176,7 +176,10 @@ pub(super) fn conclude(
         print(&json!({"studies": names, "failed": failures, "out": output.out}).to_string())?;
     } else {
         let failures = journal.failures();
-        let expected = failures.iter().filter(|[.., error]| is_expected(error)).count();
+        let expected = failures
+            .iter()
+            .filter(|[.., error]| is_expected(error))
+            .count();
         print_verdicts(output, &done, expected, failures.len() - expected)?;
     }
     failed.first().map_or(Ok(()), failure)
@@ -299,12 +302,15 @@ fn write_report(
     keep("report.html".into(), report.to_html().as_bytes())?;
     let fact = |(name, value): &(String, String)| (name.clone(), json!(value));
     let facts: serde_json::Map<String, Value> = report.facts.iter().map(fact).collect();
-    let failure = |(name, error): &(&str, BenchError)| json!({"study": name, "error": error.to_string()});
+    let failure =
+        |(name, error): &(&str, BenchError)| json!({"study": name, "error": error.to_string()});
     let failures = failed.iter().map(failure).collect_vec();
     let names = done.iter().map(|(study, _)| study.name).collect_vec();
     let all = journal.failures();
     let failures_of = |wanted: bool| {
-        let of_kind = all.iter().filter(|[.., error]| is_expected(error) == wanted);
+        let of_kind = all
+            .iter()
+            .filter(|[.., error]| is_expected(error) == wanted);
         let case = |[study, case, error]: &[&str; 3]| json!({"study": study, "case": case, "error": error});
         of_kind.map(case).collect_vec()
     };

@@ -1,13 +1,13 @@
 //! Plots: curves over linear or logarithmic axes, as SVG.
 //!
-//! plotters maps data to the canvas and writes the shapes; the layout around them is ours. The
-//! legend stands below the data, never on it. What an axis cannot show (a zero on a logarithmic
+//! The legend stands below the data, never on it. What an axis cannot show (a zero on a logarithmic
 //! axis, a `NaN` anywhere) is left out, counted, and said below the plot. Curves that lie on one
 //! another are named there too, and their markers grow downwards so that each can be seen.
 
 use super::layout::{Curve, Layout};
 use super::palette::{Look, exact_look, looks};
 use super::scale::{Scale, range};
+use itertools::Itertools;
 
 /// What an axis measures.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -25,17 +25,15 @@ impl Axis {
     pub fn linear(label: &str) -> Self {
         Self {
             label: label.to_owned(),
-            scale: Scale::Linear,
-            range: None,
+            ..Self::default()
         }
     }
 
     /// An axis by decimal logarithm.
     pub fn log(label: &str) -> Self {
         Self {
-            label: label.to_owned(),
             scale: Scale::Log,
-            range: None,
+            ..Self::linear(label)
         }
     }
 
@@ -62,13 +60,10 @@ impl Axis {
 
     /// The range of places to show, given the places of the points.
     pub(super) fn places(&self, of_points: impl Iterator<Item = f64>) -> (f64, f64) {
-        let given = self
-            .range
-            .map(|(low, high)| (self.scale.place(low), self.scale.place(high)));
+        let place = |(low, high)| (self.scale.place(low), self.scale.place(high));
         let usable = |&(low, high): &(f64, f64)| low.is_finite() && high.is_finite() && low < high;
-        given
-            .filter(usable)
-            .unwrap_or_else(|| range(self.scale, of_points))
+        let given = self.range.map(place).filter(usable);
+        given.unwrap_or_else(|| range(self.scale, of_points))
     }
 }
 
@@ -220,9 +215,6 @@ impl Plot {
     }
 
     /// Draws the figure.
-    ///
-    /// # Panics
-    /// Never in practice: it writes to a string, which cannot fail.
     pub fn draw(&self) -> Drawing {
         let mut absent = Vec::new();
         let mut curves = Vec::new();
@@ -252,11 +244,8 @@ impl Plot {
             curves.push(Curve::new(series, look, pattern, runs));
         }
         let note = [self.note.clone(), self.say_absent(&absent)].join("\n");
-        let svg = Layout::new(self, &curves, note.trim())
-            .draw(&curves)
-            .expect("writing to a string cannot fail");
         Drawing {
-            svg,
+            svg: Layout::new(self, &curves, note.trim()).draw(&curves),
             dropped: absent.len(),
         }
     }
@@ -273,26 +262,26 @@ impl Plot {
     fn say_absent(&self, absent: &[(Absence, usize)]) -> String {
         let mut parts = Vec::new();
         for (kind, words) in Absence::ALL {
-            let count_in = |series| absent.iter().filter(|&&a| a == (kind, series)).count();
-            let counts: Vec<_> = (0..self.series.len()).map(count_in).collect();
-            let total: usize = counts.iter().sum();
-            let named = self
+            let of = |series| absent.iter().filter(|&&a| a == (kind, series)).count();
+            let counts = self
                 .series
                 .iter()
-                .zip(&counts)
-                .filter(|(_, count)| **count > 0);
-            let named: Vec<_> = named
-                .map(|(s, count)| format!("{count} of {}", s.label))
-                .collect();
-            if total > 0 {
-                let points = if total == 1 { "point" } else { "points" };
-                parts.push(format!("{total} {points} {words} ({})", named.join("; ")));
-            }
+                .enumerate()
+                .map(|(index, s)| (of(index), s));
+            let counts: Vec<_> = counts.filter(|(count, _)| *count > 0).collect();
+            let points = match counts.iter().map(|(count, _)| count).sum::<usize>() {
+                0 => continue,
+                1 => "1 point".to_owned(),
+                total => format!("{total} points"),
+            };
+            let mut named = counts
+                .iter()
+                .map(|(count, s)| format!("{count} of {}", s.label));
+            parts.push(format!("{points} {words} ({})", named.join("; ")));
         }
-        if parts.is_empty() {
-            String::new()
-        } else {
-            format!("Not shown: {}.", parts.join(", "))
+        match parts.is_empty() {
+            true => String::new(),
+            false => format!("Not shown: {}.", parts.join(", ")),
         }
     }
 }

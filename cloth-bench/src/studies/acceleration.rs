@@ -194,12 +194,26 @@ fn hold_upper_row(scene: &mut Scene) -> Result<(), BenchError> {
 fn verdict(rows: &[((&str, u32), Row)]) -> Option<String> {
     let ((_, n), _) = rows.last()?;
     let say = |row: &Row| {
-        let bound = if row.count == "measured" { "" } else { "at least " };
-        let Row { method, sweeps, needs_sweeps, ms, .. } = row;
+        let bound = if row.count == "measured" {
+            ""
+        } else {
+            "at least "
+        };
+        let Row {
+            method,
+            sweeps,
+            needs_sweeps,
+            ms,
+            ..
+        } = row;
         format!("{method} {sweeps} {bound}{needs_sweeps} sweeps and {ms:.1} ms")
     };
     let of_problem = |problem| {
-        let rows = || rows.iter().filter(|(at, _)| *at == (problem, *n)).map(|(_, row)| row);
+        let rows = || {
+            rows.iter()
+                .filter(|(at, _)| *at == (problem, *n))
+                .map(|(_, row)| row)
+        };
         let best = rows().min_by(|a, b| a.ms.total_cmp(&b.ms))?;
         let plain = rows().next()?;
         Some(format!("{problem}: {}, {}", say(plain), say(best)))

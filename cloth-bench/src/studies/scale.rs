@@ -92,7 +92,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let mut largest = Table::new(&["method", "largest", "ms a step", "memory"]);
     for method in methods() {
         let name = method.name;
-        let reach = study.cases.parts(name, |progress| reach(scope, name, progress));
+        let reach = study
+            .cases
+            .parts(name, |progress| reach(scope, name, progress));
         let Some(reach) = study.unless_failed(name, reach) else {
             continue;
         };
@@ -117,14 +119,24 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let mut plot = Plot::new(title, size, time).with(series);
     let vertices = || table.iter().map(|row| row.vertices as Real);
     if let Some(most) = vertices().reduce(Real::max) {
-        let each = table.iter().zip(vertices()).map(|(row, vertices)| row.ms_per_step / vertices);
+        let each = table
+            .iter()
+            .zip(vertices())
+            .map(|(row, vertices)| row.ms_per_step / vertices);
         let least = each.fold(Real::INFINITY, Real::min);
         let first = Real::from(scope.of(SIDES)[0]).powi(2);
-        plot = plot.exact("∝ vertices", [first, most].map(|count| (count, least * count)));
+        plot = plot.exact(
+            "∝ vertices",
+            [first, most].map(|count| (count, least * count)),
+        );
     }
     study.plot("scale", &plot);
     study.table("scale", "The hanging sheet, larger and larger", &table);
-    let sizes = scope.of(SIDES).iter().map(|n| format!("{n} × {n}")).join(", ");
+    let sizes = scope
+        .of(SIDES)
+        .iter()
+        .map(|n| format!("{n} × {n}"))
+        .join(", ");
     let told = format!(
         "Here the largest of {sizes} vertices that each method gets through within {} s, three steps and all before them:",
         scope.of(BUDGET).as_secs(),
@@ -134,7 +146,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let there = table.iter().filter(|row| Some(row.vertices_a_side) == most);
     let there = there.map(|row| row.method).join(", ");
     study.section.verdict = most.map(|side| {
-        format!("The largest sheet that any method gets through has {side} × {side} vertices: {there}.")
+        format!(
+            "The largest sheet that any method gets through has {side} × {side} vertices: {there}."
+        )
     });
     Ok(())
 }
@@ -152,7 +166,8 @@ fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<R
             let ratio = Real::from(side) / Real::from(smaller);
             took.as_secs_f64() * ratio * ratio
         });
-        if let Some(seconds) = expected.filter(|&seconds| seconds > scope.of(BUDGET).as_secs_f64()) {
+        if let Some(seconds) = expected.filter(|&seconds| seconds > scope.of(BUDGET).as_secs_f64())
+        {
             reach.end = format!("{side} × {side} would take {seconds:.0} s at this time a vertex");
             return Ok(reach);
         }

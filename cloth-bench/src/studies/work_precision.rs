@@ -101,7 +101,11 @@ impl Row {
         let is_default = name == self.method;
         let is_implicit = ["implicit-euler", "linear-implicit", "bdf2"].contains(&name);
         let is_beside = is_default && ["pd", "xpbd"].contains(&name);
-        [is_default, !is_default && !is_implicit, is_implicit || is_beside]
+        [
+            is_default,
+            !is_default && !is_implicit,
+            is_implicit || is_beside,
+        ]
     }
 }
 
@@ -183,19 +187,29 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 fn verdict(sheet: &TestSheet, rows: &[Row]) -> String {
     let parts = WANTED.map(|wanted| {
         let is_good = |row: &&Row| row.error.is_some_and(|error| error <= wanted);
-        let good = rows.iter().filter(is_good).filter_map(|row| Some((row, row.ms?)));
+        let good = rows
+            .iter()
+            .filter(is_good)
+            .filter_map(|row| Some((row, row.ms?)));
         let good = good.sorted_by(|a, b| a.1.total_cmp(&b.1));
         // Each method once.
         let fastest = good.unique_by(|(row, _)| row.method.as_str()).take(3);
         let mut named = fastest.map(|(row, ms)| {
-            format!("{} with 1/{} s ({ms:.1} ms)", row.method, row.steps_per_second)
+            format!(
+                "{} with 1/{} s ({ms:.1} ms)",
+                row.method, row.steps_per_second
+            )
         });
         match named.join(", ") {
             none if none.is_empty() => format!("to {wanted} of the size nobody gets"),
             named => format!("to {wanted} of the size the fastest are {named}"),
         }
     });
-    format!("In the first 0.3 s of {} {}.", sheet.which(), parts.join("; "))
+    format!(
+        "In the first 0.3 s of {} {}.",
+        sheet.which(),
+        parts.join("; ")
+    )
 }
 
 /// Where the sheet is at the horizon, in continuous time.
