@@ -1,5 +1,22 @@
 //! Closed forms beside what the code does.
 
+/// Declares a law with the settings that are its own, as [`settings!`](crate::settings!) does, and if need be those of a
+/// bending model: name and tolerance, what it says, and the function that evaluates it.
+macro_rules! law {
+    ($law:ident = $name:literal within $tolerance:literal, $about:literal;
+     $evaluate:ident($table:ident { $($settings:tt)* } $(and $other:ident)?)) => {
+        crate::settings! { struct $table { $($settings)* } }
+
+        pub(super) const $law: Law = Law {
+            name: $name,
+            about: $about,
+            parameters: &[$table::PARAMETERS $(, $other::PARAMETERS)?],
+            tolerance: $tolerance,
+            evaluate: |settings| $evaluate(&$table::read(settings)? $(, &$other::read(settings)?)?),
+        };
+    };
+}
+
 mod bending_spring;
 pub mod buckling;
 mod catenary;
