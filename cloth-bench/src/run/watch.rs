@@ -64,9 +64,7 @@ impl SeparationWatch {
             self.seen.obstacle_crossed_steps += u32::from(now > 0);
         }
         if let Some(probe) = &mut self.probe {
-            let now = probe
-                .measure(&state.positions)
-                .map_err(BenchError::failed)?;
+            let now = probe.measure(&state.positions)?;
             self.seen.crossed_steps += u32::from(now.intersecting_pairs > 0);
             self.seen.most_intersections = self.seen.most_intersections.max(now.intersecting_pairs);
             self.seen.min_distance = least(self.seen.min_distance, now.min_distance);

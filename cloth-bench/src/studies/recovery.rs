@@ -40,15 +40,6 @@ pub struct Outcome {
     reason: Option<String>,
 }
 
-/// The same as a row of the table.
-#[derive(Default, Serialize)]
-struct Row {
-    recovered: String,
-    strain_at_rest: Number,
-    worst_strain: Option<Number>,
-    cell: &'static str,
-}
-
 /// The sheet, held along x = 0.
 fn sheet(n: usize) -> Result<Scene, BenchError> {
     let settings = Settings::of(&format!("n={n} stiffness=1e3 pins=none"));
@@ -133,19 +124,23 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     });
     study.section.notes.extend(reasons);
     let row = |(at, outcome): &((&'static str, &'static str), Outcome)| {
-        let row = Row {
-            recovered: format!("{} of {RUNS}", outcome.recovered),
-            strain_at_rest: outcome.rest,
-            worst_strain: outcome.worst,
-            cell: match &outcome.reason {
-                _ if outcome.recovered == RUNS => "passes",
-                Some(reason) if is_expected(reason) => "fails, as expected",
-                _ => "FAILS",
-            },
+        let recovered = format!("{} of {RUNS}", outcome.recovered);
+        let cell = match &outcome.reason {
+            _ if outcome.recovered == RUNS => "passes",
+            Some(reason) if is_expected(reason) => "fails, as expected",
+            _ => "FAILS",
         };
-        (*at, row)
+        (*at, recovered, outcome.rest, outcome.worst, cell)
     };
-    let table = Table::named(&["method", "start"], &found.iter().map(row).collect_vec());
+    let columns = [
+        "method",
+        "start",
+        "recovered",
+        "strain at rest",
+        "worst strain",
+        "cell",
+    ];
+    let table = Table::named(&columns, &found.iter().map(row).collect_vec());
     let caption = format!("{n} × {n} vertices, at most {steps} steps");
     study.table("recovery", &caption, table);
     let (mut always, mut lost_some) = (Vec::new(), Vec::new());

@@ -312,10 +312,7 @@ pub fn recover(scene: &str, method: &str, n: u32, steps: u32) -> Result<Recovere
     let (summary, _) =
         run::from_start(&scene, method, &settings, scene.dt, steps, |_, state, _| {
             if let Some(probe) = &mut probe {
-                let now = probe
-                    .measure(&state.positions)
-                    .map_err(BenchError::failed)?;
-                counts.push(now.intersecting_pairs);
+                counts.push(probe.measure(&state.positions)?.intersecting_pairs);
             }
             Ok(())
         })?;

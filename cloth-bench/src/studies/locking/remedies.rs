@@ -124,20 +124,6 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
     })
 }
 
-/// The fold of a mesh with a kind of membrane.
-#[derive(Default, Serialize)]
-struct FoldRow {
-    coordinates: usize,
-    #[serde(rename = "coordinates − conditions")]
-    left: i64,
-    nullity_bent: usize,
-    bending_reached: Real,
-    #[serde(rename = "at Y/100")]
-    softer: Real,
-    fold_angle_over_exact: Real,
-    cost_per_step: Option<Real>,
-}
-
 /// Measures every kind on every pattern.
 pub(super) fn run(study: &mut StudyRun<'_>) {
     let all = iproduct!(sheets(study.scope), KINDS);
@@ -154,24 +140,20 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         let case = format!("cost of {}", name_of(&remedy));
         let cost_per_step = study.case(&case, || cost(pattern, cells, kind));
         let head = (pattern, cells, membrane);
-        let fold = FoldRow {
-            coordinates: found.coordinates,
-            left: found.coordinates as i64 - found.conditions as i64,
-            nullity_bent: found.nullity,
-            bending_reached: found.bending[0],
-            softer: found.bending[1],
-            fold_angle_over_exact: found.angle,
-            cost_per_step,
-        };
-        folds.push((head, fold));
+        let left = found.coordinates as i64 - found.conditions as i64;
+        let freedom = (found.coordinates, left, found.nullity);
+        folds.push((head, freedom, found.bending, found.angle, cost_per_step));
         let on_cone = [0, 1].map(|k| found.on_cone.map(|energy| energy[k]));
         cones.push((head, on_cone, found.resists));
     }
     let head = ["pattern", "cells", "membrane"];
+    let freedom = ["coordinates", "coordinates − conditions", "nullity bent"];
+    let reached = ["bending reached", "at Y/100", "fold angle over exact"];
+    let cost = ["cost per step"];
     study.table(
         "locking-remedies",
         "Every kind of membrane in the fold: its freedom, what it makes of it, and what it costs",
-        Table::named(&head, &folds),
+        Table::named(&[&head[..], &freedom, &reached, &cost].concat(), &folds),
     );
     let on_cone = ["cone: energy over developable", "cone at Y/100"];
     let resists = ["pull", "push", "shear", "waves of 4 cells"];

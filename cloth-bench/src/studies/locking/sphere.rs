@@ -78,16 +78,18 @@ impl Case {
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Drape {
+    #[serde(rename = "coordinates − conditions")]
     coordinates_left: i64,
-    nullity: usize,
-    /// How far (m) the corners end below the highest vertex, in the mean.
+    nullity_draped: usize,
+    /// How far (m) they end below the highest vertex, in the mean.
+    #[serde(rename = "corners below the top")]
     corners: Real,
-    /// Energies (J).
+    #[serde(rename = "bending energy (mJ)")]
     bending: Real,
-    membrane: Real,
+    membrane_over_bending: Real,
     rms_strain: Real,
     /// None: never at rest.
-    steps: Option<u32>,
+    steps_to_rest: Option<u32>,
 }
 
 /// Every drape.
@@ -185,14 +187,15 @@ fn drape(case: &Case, start: Option<Vec<Vec3>>) -> Result<(Drape, Vec<Vec3>), Be
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
     let x = &state.positions;
     let rank = EdgeRank::of_pairs(x, &conditions)?;
+    let bending = sheet.bending_energy(x)?;
     let found = Drape {
         coordinates_left: 3 * x.len() as i64 - conditions.len() as i64,
-        nullity: rank.nullity,
+        nullity_draped: rank.nullity,
         corners: fall_of_corners(sheet.mesh.positions(), x),
-        bending: sheet.bending_energy(x)?,
-        membrane: sheet.membrane_energy(x)?,
+        bending: 1e3 * bending,
+        membrane_over_bending: sheet.membrane_energy(x)? / bending,
         rms_strain: Strain::of(&gauges, x).rms,
-        steps,
+        steps_to_rest: steps,
     };
     Ok((found, state.positions))
 }
@@ -243,52 +246,8 @@ pub(super) struct Drapes {
     pub(super) sizes: Option<[(usize, [Real; 2]); 2]>,
 }
 
-/// What came of a drape.
-#[derive(Default, Serialize)]
-struct Row {
-    #[serde(rename = "coordinates − conditions")]
-    coordinates_left: i64,
-    nullity_draped: usize,
-    corners_below_the_top: Real,
-    #[serde(rename = "bending energy (mJ)")]
-    bending: Real,
-    membrane_over_bending: Real,
-    rms_strain: Real,
-    steps_to_rest: Option<u32>,
-}
-
-/// What [`row`] says of a drape beside that.
+/// What the table says of a drape beside that.
 const HEAD: [&str; 6] = ["pattern", "cells", "membrane", "Y", "method", "begins"];
-type Head = (
-    &'static str,
-    usize,
-    &'static str,
-    Real,
-    String,
-    &'static str,
-);
-
-fn row(case: &Case, begins: &'static str, found: &Drape) -> (Head, Row) {
-    let membrane = KINDS[case.kind].0;
-    let head = (
-        case.pattern,
-        case.cells,
-        membrane,
-        case.modulus,
-        case.solver(),
-        begins,
-    );
-    let row = Row {
-        coordinates_left: found.coordinates_left,
-        nullity_draped: found.nullity,
-        corners_below_the_top: found.corners,
-        bending: 1e3 * found.bending,
-        membrane_over_bending: found.membrane / found.bending,
-        rms_strain: found.rms_strain,
-        steps_to_rest: found.steps,
-    };
-    (head, row)
-}
 
 pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
     let scope = study.scope;
@@ -303,16 +262,17 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
         SIZES.into_iter().zip(drapes).map(of_size)
     });
     let finer: Vec<(Case, Drape)> = finer.collect();
-    let begins = |case: &Case| match case.cells == SIZES[0] {
-        true => "flat",
-        false => "from the coarser",
+    let row = |(case, found): &(Case, Drape)| {
+        let begins = match case.cells == SIZES[0] {
+            true => "flat",
+            false => "from the coarser",
+        };
+        let (mesh, membrane) = ((case.pattern, case.cells), KINDS[case.kind].0);
+        (mesh, membrane, case.modulus, case.solver(), begins, *found)
     };
-    let from_flat = flat.iter().map(|(case, found)| row(case, "flat", found));
-    let from_coarser = finer
-        .iter()
-        .map(|(case, found)| row(case, begins(case), found));
-    let rows = Table::named(&HEAD, &from_flat.chain(from_coarser).collect_vec());
-    study.table("locking-sphere", "Sheets draped over a sphere", rows);
+    let rows = flat.iter().chain(&finer).map(row).collect_vec();
+    let table = Table::named(&HEAD, &rows);
+    study.table("locking-sphere", "Sheets draped over a sphere", table);
     let depth = |(case, found): &(Case, Drape)| (*case, found.corners);
     let springs = flat.iter().filter(|(case, _)| case.kind == 0);
     let fallen: Vec<(Case, Real)> = springs.map(depth).collect();

@@ -48,8 +48,7 @@ pub struct Held {
 /// What a sheet of so many vertices a side holds with a feature.
 pub fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
     // One thread, so that nothing is asked for by another.
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let alone = alone.map_err(BenchError::failed)?;
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     alone.install(|| {
         let of = |used| -> Result<(Allocated, Allocated), BenchError> {
             let settings = settings(n, feature, used)?;
