@@ -251,44 +251,31 @@ impl Method {
         substeps: u32,
     ) -> Result<Box<dyn Stepper>, BenchError> {
         let (particles, families) = (&scene.model.particles, scene.model.families());
-        macro_rules! mass_spring {
+        macro_rules! solver {
             ($kind:ident, $config:expr) => {{
                 let builder = $kind::builder(particles).config($config);
                 Box::new(self.built(builder.elements(families).build())?)
             }};
         }
         Ok(match self.kind {
-            Kind::Explicit => mass_spring!(ExplicitEuler, explicit(settings, substeps)?),
-            Kind::Symplectic => mass_spring!(SymplecticEuler, explicit(settings, substeps)?),
-            Kind::Implicit => mass_spring!(ImplicitEuler, mass_spring::newton(scene, settings)?),
-            Kind::LinearImplicit => mass_spring!(ImplicitEuler, mass_spring::linearized(settings)?),
-            Kind::Midpoint => mass_spring!(ImplicitMidpoint, mass_spring::newton(scene, settings)?),
-            Kind::Bdf2 => mass_spring!(Bdf2, mass_spring::newton(scene, settings)?),
+            Kind::Explicit => solver!(ExplicitEuler, explicit(settings, substeps)?),
+            Kind::Symplectic => solver!(SymplecticEuler, explicit(settings, substeps)?),
+            Kind::Implicit => solver!(ImplicitEuler, mass_spring::newton(scene, settings)?),
+            Kind::LinearImplicit => solver!(ImplicitEuler, mass_spring::linearized(settings)?),
+            Kind::Midpoint => solver!(ImplicitMidpoint, mass_spring::newton(scene, settings)?),
+            Kind::Bdf2 => solver!(Bdf2, mass_spring::newton(scene, settings)?),
             Kind::Pbd => {
-                let builder =
-                    PbdSolver::builder(particles).config(position_based::pbd(settings, substeps)?);
-                let solver = self.built(builder.elements(families).build())?;
-                Box::new(match position_based::hierarchy(scene, settings)? {
-                    Some(levels) => self.built(solver.with_hierarchy(levels))?,
+                let solver = solver!(PbdSolver, position_based::pbd(settings, substeps)?);
+                match position_based::hierarchy(scene, settings)? {
+                    Some(levels) => Box::new(self.built(solver.with_hierarchy(levels))?),
                     None => solver,
-                })
+                }
             }
             Kind::Xpbd => match position_based::single(settings, substeps)? {
-                Some(config) => {
-                    let builder = SingleXpbd::builder(particles).config(config);
-                    Box::new(self.built(builder.elements(families).build())?)
-                }
-                None => {
-                    let config = position_based::xpbd(settings, substeps)?;
-                    let builder = XpbdSolver::builder(particles).config(config);
-                    Box::new(self.built(builder.elements(families).build())?)
-                }
+                Some(config) => solver!(SingleXpbd, config),
+                None => solver!(XpbdSolver, position_based::xpbd(settings, substeps)?),
             },
-            Kind::XpbdDirect => {
-                let builder =
-                    DirectXpbd::builder(particles).config(direct::direct(settings, substeps)?);
-                Box::new(self.built(builder.elements(families).build())?)
-            }
+            Kind::XpbdDirect => solver!(DirectXpbd, direct::direct(settings, substeps)?),
             Kind::Pd => {
                 let own = projective::Pd::read(settings)?;
                 let config = projective::projective(&own)?;

@@ -134,7 +134,11 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 remark,
             });
         }
-        fastest.line(Cell::said(name.as_str()), fastest_to(&reached));
+        let points = reached
+            .iter()
+            .map(|(label, s)| (&**label, s.error.objective, 1e3 * s.seconds));
+        let first = WANTED.map(|wanted| fastest_to(wanted, points.clone()));
+        fastest.line(Cell::said(name.as_str()), first);
         // How long (ms) each takes to the errors, if it gets there.
         times.extend(reached.iter().map(|(name, _)| name).unique().map(|name| {
             let ms = WANTED.map(|wanted| {
@@ -181,19 +185,6 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     );
     let is_shown = |sheet: &&TestSheet| sheet.scene.start.positions.len() <= 64 * 64;
     half_a_second(study, sheets.iter().rfind(is_shown).unwrap_or(&sheets[0]))
-}
-
-/// Who is the first at each error, and when.
-fn fastest_to(reached: &[(String, Sample)]) -> [Cell; 4] {
-    WANTED.map(|wanted| {
-        let there = reached
-            .iter()
-            .filter(|(_, sample)| sample.error.objective <= wanted);
-        let first = there.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds));
-        first.map_or(Cell::said("nobody"), |(label, sample)| {
-            Cell::said(format!("{label}: {} ms", two(1e3 * sample.seconds)))
-        })
-    })
 }
 
 /// Time (s) after which a step is not repeated any more.

@@ -132,6 +132,15 @@ impl System {
     }
 }
 
+/// The time of [`seconds`] of work that can fail.
+fn tried<T, E: Into<BenchError>>(
+    mut work: impl FnMut() -> Result<T, E>,
+) -> Result<Real, BenchError> {
+    let mut outcome = Ok(());
+    let time = seconds(|| outcome = work().map(drop));
+    outcome.map(|()| time).map_err(Into::into)
+}
+
 /// Median time (s) of some runs, the first not counted: half a second's worth, but three to fifty, or one of something
 /// slow.
 fn seconds(mut work: impl FnMut()) -> Real {

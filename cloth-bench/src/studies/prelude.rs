@@ -2,7 +2,7 @@
 
 pub(super) use super::study_run::StudyRun;
 pub(super) use super::variants::{Variant, iterating_own};
-pub(super) use super::{Cases, Findings, Scope, Study};
+pub(super) use super::{Cases, Findings, Scope, Study, fastest_to};
 pub(super) use crate::error::BenchError;
 pub(super) use crate::journal::Number;
 pub(super) use crate::method::{self, Method};

@@ -302,8 +302,10 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             let by_default = steps(study, at, &mut problem, by_default());
             let finer = steps(study, at, &mut problem, finer(study.scope));
             plot(study, at, &finer);
-            let every: Vec<&Row> = by_default.iter().chain(&finer).collect();
-            told.line(Cell::said(format!("{scene}, {n} × {n}")), fastest(&every));
+            let all = || by_default.iter().chain(&finer);
+            let reached = || all().map(|row| (&*row.method, row.position_error, row.ms));
+            let fastest = WANTED.map(|wanted| fastest_to(wanted, reached()));
+            told.line(Cell::said(format!("{scene}, {n} × {n}")), fastest);
             defaults.extend(by_default);
             samples.extend(finer);
         }
@@ -355,14 +357,3 @@ fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[Row]) {
 
 /// Position errors (dimensionless) that are asked for.
 const WANTED: [Real; 4] = [0.3, 0.1, 1e-2, 1e-3];
-
-/// Who is the first at each error, and when.
-fn fastest(found: &[&Row]) -> [Cell; 4] {
-    WANTED.map(|wanted| {
-        let there = found.iter().filter(|row| row.position_error <= wanted);
-        let first = there.min_by(|a, b| a.ms.total_cmp(&b.ms));
-        first.map_or(Cell::said("nobody"), |row| {
-            Cell::said(format!("{}: {} ms", row.method, two(row.ms)))
-        })
-    })
-}

@@ -32,7 +32,6 @@ const STILL: Real = 2e-3;
 /// The method of the patterns, kinds of membrane and resolutions: one linear solve a step. What is at rest in it is at
 /// rest in every method that solves its steps.
 const METHOD: &str = "linear-implicit";
-const PATTERN: &str = "alternating";
 
 fn patterns(scope: Scope) -> &'static [&'static str] {
     scope.pick(&["alternating"], &count::PATTERNS)
@@ -92,21 +91,23 @@ struct Drape {
     steps_to_rest: Option<u32>,
 }
 
+/// What the others differ from.
+const BASE: Case = Case {
+    pattern: "alternating",
+    kind: 0,
+    modulus: MODULI[1],
+    method: METHOD,
+    iterations: 0,
+    cells: SIZES[0],
+};
+
 /// Every drape.
 pub fn list(scope: Scope) -> Vec<Case> {
-    let base = Case {
-        pattern: PATTERN,
-        kind: 0,
-        modulus: MODULI[1],
-        method: METHOD,
-        iterations: 0,
-        cells: 16,
-    };
     let mut cases = Vec::new();
     let of_pattern = |(&pattern, modulus)| Case {
         pattern,
         modulus,
-        ..base
+        ..BASE
     };
     cases.extend(iproduct!(patterns(scope), MODULI).map(of_pattern));
     if scope == Scope::Quick {
@@ -117,7 +118,7 @@ pub fn list(scope: Scope) -> Vec<Case> {
     let of_kind = |(kind, modulus)| Case {
         kind,
         modulus,
-        ..base
+        ..BASE
     };
     cases.extend(iproduct!(others, MODULI).map(of_kind));
     let own = iterating_own().map(|own| (own.name, 0));
@@ -128,7 +129,7 @@ pub fn list(scope: Scope) -> Vec<Case> {
     let of_method = |(method, iterations)| Case {
         method,
         iterations,
-        ..base
+        ..BASE
     };
     cases.extend(compared.chain(own).map(of_method));
     cases
@@ -136,23 +137,14 @@ pub fn list(scope: Scope) -> Vec<Case> {
 
 /// The drapes that are made finer and finer, each from the one before.
 fn chains(scope: Scope) -> Vec<Case> {
-    let chain = |method: &'static str, modulus: Real| Case {
-        pattern: PATTERN,
-        kind: 0,
-        modulus,
+    // By another method where that is cheap: PD takes minutes for stiff edges.
+    let all = [(METHOD, MODULI[0]), (METHOD, MODULI[1]), ("pd", MODULI[0])];
+    let chain = |(method, modulus)| Case {
         method,
-        iterations: 0,
-        cells: SIZES[0],
+        modulus,
+        ..BASE
     };
-    match scope {
-        Scope::Quick => Vec::new(),
-        // By another method where that is cheap: PD takes minutes for stiff edges.
-        Scope::Full => vec![
-            chain(METHOD, MODULI[0]),
-            chain(METHOD, MODULI[1]),
-            chain("pd", MODULI[0]),
-        ],
-    }
+    scope.pick(vec![], all.map(chain).to_vec())
 }
 
 /// A sheet hung over the sphere from `start` (m), or from flat, until it is at rest; and its points (m) there.
