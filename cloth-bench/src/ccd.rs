@@ -138,7 +138,8 @@ pub struct Score {
     pub false_negatives: usize,
     /// Contacts found later than one that is known.
     pub late: usize,
-    /// Time that half of the queries do not exceed (ns). All times are the shortest of several repetitions of each query.
+    /// Time that half of the queries do not exceed (ns). All times are the shortest of several repetitions of each
+    /// query.
     #[serde(rename = "median (ns)")]
     pub median_ns: Real,
     /// Mean time of a query (ns).

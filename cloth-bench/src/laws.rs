@@ -1,7 +1,7 @@
 //! Closed forms beside what the code does.
 
-/// Declares a law with the settings that are its own, as [`settings!`](crate::settings!) does, and if need be those of a
-/// bending model: name and tolerance, what it says, and the function that evaluates it.
+/// Declares a law with the settings that are its own, as [`settings!`](crate::settings!) does, and if need be those of
+/// a bending model: name and tolerance, what it says, and the function that evaluates it.
 macro_rules! law {
     ($law:ident = $name:literal within $tolerance:literal, $about:literal;
      $evaluate:ident($table:ident { $($settings:tt)* } $(and $other:ident)?)) => {

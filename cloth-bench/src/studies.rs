@@ -6,8 +6,8 @@
 //!    where no times are measured, and gives the points with what was found there. What failed is a remark already.
 //!    Points are tuples such as `iproduct!(methods(), sizes)` gives, or structs.
 //! 2. What is measured is a serde struct, kept in the journal; behind its point it is a row.
-//!    `study.table(name, caption, &rows)` reads the columns from the structs, units included; what a tuple holds is named
-//!    by `Table::named`.
+//!    `study.table(name, caption, &rows)` reads the columns from the structs, units included; what a tuple holds is
+//!    named by `Table::named`.
 //! 3. `curves(&rows, |row| (label, (x, y)))` says which columns go where; `Plot::new(title, x, y).with(curves)` draws.
 //! 4. `study.section.verdict` says in words what the rows show.
 //!

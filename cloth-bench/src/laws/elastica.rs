@@ -140,7 +140,7 @@ fn elastica(own: &ElasticaSettings, model: &ModelSetting) -> Result<Evaluation, 
         )));
     }
     let model = *model.model;
-    let shape = shape(&own)?;
+    let shape = shape(own)?;
     let Profile { span, drop } = exact(gamma);
     let sagged = sag(gamma, model, shape)?;
     let measured = sagged.profile;

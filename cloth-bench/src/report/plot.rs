@@ -227,19 +227,17 @@ impl Plot {
             } else {
                 next.next().map(|(_, look)| *look)
             };
-            let mut runs = vec![Vec::new()];
+            let (mut runs, mut run) = (Vec::new(), Vec::new());
             for &(x, y) in &series.points {
                 match self.x.refuses(x).or_else(|| self.y.refuses(y)) {
                     Some(absence) => {
                         absent.push((absence, index));
-                        runs.push(Vec::new());
+                        runs.push(std::mem::take(&mut run));
                     }
-                    None => {
-                        let place = (self.x.scale.place(x), self.y.scale.place(y));
-                        runs.last_mut().expect("one run at least").push(place);
-                    }
+                    None => run.push((self.x.scale.place(x), self.y.scale.place(y))),
                 }
             }
+            runs.push(run);
             runs.retain(|run| !run.is_empty());
             curves.push(Curve::new(series, look, pattern, runs));
         }

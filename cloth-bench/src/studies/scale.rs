@@ -80,7 +80,10 @@ fn rows(method: &'static str, reach: &Reach) -> Vec<Row> {
             setup: size.setup_ms,
             memory: bytes.map(|bytes| bytes / 1e6),
             memory_per_vertex: bytes.map(|bytes| bytes / 1e3 / vertices),
-            what_ended_it: is_last.then(|| reach.end.clone()).unwrap_or_default(),
+            what_ended_it: match is_last {
+                true => reach.end.clone(),
+                false => String::new(),
+            },
         }
     };
     reach.sizes.iter().enumerate().map(row).collect()

@@ -294,7 +294,7 @@ fn play(study: &mut StudyRun<'_>, sheet: &TestSheet) {
         let settings = Settings::default();
         let mut frames = vec![scene.start.positions.clone()];
         let keep = |step: u32, state: &State, _: &_| {
-            frames.extend((step % 2 == 0).then(|| state.positions.clone()));
+            frames.extend(step.is_multiple_of(2).then(|| state.positions.clone()));
             Ok(())
         };
         run::from_start(scene, method, &settings, scene.dt, steps, keep)?;

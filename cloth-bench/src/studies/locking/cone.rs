@@ -47,8 +47,8 @@ pub(super) fn radius() -> Real {
     (tan_squared * squares / fourths).sqrt()
 }
 
-/// Bends a sheet of `cells` cells a metre to the cone; `modulus` (N/m), `rigidity` (N·m). Gives [`Sheet::edge_length`] (m)
-/// too.
+/// Bends a sheet of `cells` cells a metre to the cone; `modulus` (N/m), `rigidity` (N·m). Gives
+/// [`Sheet::edge_length`] (m) too.
 pub(super) fn bend(
     pattern: &str,
     cells: usize,
