@@ -13,6 +13,7 @@ use crate::names;
 use cloth_collide::{CollideError, ContinuousTest, Query, QueryKind};
 use cloth_core::math::Real;
 use exact_queries::{ExactQueries, KnownQuery, Truth};
+use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -75,9 +76,6 @@ fn conservative(query: &Query, slack: Real) -> Result<Option<Real>, CollideError
 
 impl CcdMethod {
     /// The method of this name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<Self, BenchError> {
         let known = METHODS.iter().find(|method| method.name == name);
         known.copied().ok_or_else(|| {
@@ -87,9 +85,6 @@ impl CcdMethod {
     }
 
     /// First contact (dimensionless, 0..=1).
-    ///
-    /// # Errors
-    /// Those of the method, for numbers that cannot be worked with.
     pub fn first_contact(&self, query: &Query) -> Result<Option<Real>, CollideError> {
         (self.first_contact)(query)
     }
@@ -109,7 +104,6 @@ pub struct LabelledQuery {
 }
 
 /// `count` queries of exactly known answer, half of them contacts, half of them degenerate.
-#[must_use]
 pub fn generate(kind: QueryKind, count: usize, seed: u64) -> Vec<LabelledQuery> {
     let labelled = |known: KnownQuery| {
         let contact_time = match known.truth {
@@ -130,11 +124,13 @@ pub fn generate(kind: QueryKind, count: usize, seed: u64) -> Vec<LabelledQuery> 
 }
 
 /// How a method did.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// Number of queries.
+    #[serde(rename = "number")]
     pub queries: usize,
     /// Queries with a contact.
+    #[serde(skip)]
     pub positives: usize,
     /// Contacts found that are none.
     pub false_positives: usize,
@@ -142,11 +138,15 @@ pub struct Score {
     pub false_negatives: usize,
     /// Contacts found later than one that is known.
     pub late: usize,
-    /// Mean time of a query (ns). All times are the shortest of several repetitions of each query.
-    pub mean_ns: Real,
-    /// Time that half of the queries do not exceed (ns).
+    /// Time that half of the queries do not exceed (ns). All times are the shortest of several repetitions of each
+    /// query.
+    #[serde(rename = "median (ns)")]
     pub median_ns: Real,
+    /// Mean time of a query (ns).
+    #[serde(rename = "mean (ns)")]
+    pub mean_ns: Real,
     /// Longest time of a query (ns).
+    #[serde(rename = "worst (ns)")]
     pub worst_ns: Real,
 }
 

@@ -1,6 +1,13 @@
 //! The commands, one file each. `--json` puts one JSON object on standard output and nothing else there; progress goes
 //! to standard error.
 
+/// Fields of a struct as name and value pairs.
+macro_rules! fields {
+    ($of:expr => $($name:ident),+ $(,)?) => {
+        [$((stringify!($name), serde_json::json!($of.$name))),+]
+    };
+}
+
 mod ccd;
 mod law;
 mod list;
@@ -13,6 +20,7 @@ mod untangle;
 use crate::error::BenchError;
 use crate::files;
 use clap::Subcommand;
+use serde_json::{Map, Value};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -38,9 +46,6 @@ pub enum Command {
 }
 
 /// Does it.
-///
-/// # Errors
-/// [`BenchError`], whose exit code is the program's.
 pub fn execute(command: &Command) -> Result<(), BenchError> {
     match command {
         Command::Study(arguments) => study::execute(arguments),
@@ -99,18 +104,16 @@ fn write_file(path: &std::path::Path, content: &[u8]) -> Result<(), BenchError> 
 }
 
 /// Prints name and value pairs, as a JSON object or as lines.
-fn print_pairs(json: bool, pairs: &[(&str, serde_json::Value)]) -> Result<(), BenchError> {
+fn print_pairs(json: bool, pairs: &[(&str, Value)]) -> Result<(), BenchError> {
     if json {
-        let object: serde_json::Map<String, serde_json::Value> = pairs
-            .iter()
-            .map(|(name, value)| ((*name).to_owned(), value.clone()))
-            .collect();
-        return print(&serde_json::Value::Object(object).to_string());
+        let pair = |(name, value): &(&str, Value)| ((*name).to_owned(), value.clone());
+        let object: Map<String, Value> = pairs.iter().map(pair).collect();
+        return print(&Value::Object(object).to_string());
     }
     let width = pairs.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    let line = |(name, value): &(&str, serde_json::Value)| match value {
-        serde_json::Value::String(text) => format!("{name:width$}  {text}"),
-        serde_json::Value::Null => format!("{name:width$}  -"),
+    let line = |(name, value): &(&str, Value)| match value {
+        Value::String(text) => format!("{name:width$}  {text}"),
+        Value::Null => format!("{name:width$}  -"),
         value => format!("{name:width$}  {value}"),
     };
     print(&pairs.iter().map(line).collect::<Vec<_>>().join("\n"))

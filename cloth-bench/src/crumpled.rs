@@ -35,7 +35,6 @@ pub fn accordion(side: usize, gap: Real) -> Result<(TriMesh, Vec<Vec3>), BenchEr
 }
 
 /// The box of each triangle at `positions` (m), moved outwards by half of the margin (m).
-#[must_use]
 pub fn boxes(mesh: &TriMesh, positions: &[Vec3], margin: Real) -> Vec<Bounds> {
     let half = Vec3::repeat(0.5 * margin);
     let around = |t: &[u32; 3]| {

@@ -14,7 +14,6 @@ pub enum BenchError {
 
 impl BenchError {
     /// Exit code of the program.
-    #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,

@@ -125,10 +125,6 @@ trait Writer {
 
 impl Export {
     /// Creates the folder, and writes the start of the scene. Every `every`-th step is to follow.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a scene without triangles or for `every` 0, [`BenchError::Failed`] with the path if it
-    /// cannot be written.
     pub fn begin(
         scene: &Scene,
         folder: &Path,
@@ -165,9 +161,6 @@ impl Export {
 
     /// Writes what is there after a step, if it is one of those to be written; in `vtk` and `ply` with the forces of
     /// contact, where they are recorded.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] with the path if it cannot be written.
     pub fn after(&mut self, moment: &Moment<'_>) -> Result<(), BenchError> {
         if moment.step.is_multiple_of(self.every) {
             self.take(moment.step, moment.scene, moment.state, moment.forces)
@@ -210,9 +203,6 @@ impl Export {
     }
 
     /// Writes what can only be written at the end, and says how much was written.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] with the path if it cannot be written.
     pub fn finish(mut self) -> Result<Exported, BenchError> {
         self.writer.finish(&mut self.folder)?;
         Ok(Exported {

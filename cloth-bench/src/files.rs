@@ -6,9 +6,6 @@ use std::path::Path;
 
 /// Writes a file of several parts, replacing it: beside it first, then under its name, so that a full disk or a kill
 /// leaves no part of it and an earlier one as it was. What is no plain file, such as a pipe, is written to.
-///
-/// # Errors
-/// That of the system. The beginning that was written beside is removed.
 pub(crate) fn write(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
     let fill = |mut file: File| parts.iter().try_for_each(|part| file.write_all(part));
     let path = match fs::metadata(path) {

@@ -57,7 +57,6 @@ pub struct RunHeader {
 
 impl RunHeader {
     /// The scene file that the studies are asked of, if it is one of the user's own.
-    #[must_use]
     pub fn scene(&self) -> Option<&str> {
         let fact = self.facts.iter().find(|(name, _)| name == SCENE);
         fact.map(|(_, path)| path.as_str())
@@ -118,10 +117,6 @@ pub struct Journal {
 
 impl Journal {
     /// A new journal in `folder`. One that is there already gets the name `journal.old.jsonl`.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] that names the file that cannot be written, or says that another process works in the
-    /// folder.
     pub fn begin(folder: &Path, heading: RunHeader) -> Result<Self, BenchError> {
         std::fs::create_dir_all(folder).map_err(|error| about(folder, &error))?;
         Self::begin_locked(folder, heading, Lock::take(folder)?)
@@ -241,31 +236,26 @@ impl Journal {
     }
 
     /// What it is about.
-    #[must_use]
     pub fn heading(&self) -> &RunHeader {
         &self.heading
     }
 
     /// Lines that were not as they had been written: file, number and why.
-    #[must_use]
     pub fn damages(&self) -> &[String] {
         &self.damages
     }
 
     /// Number of finished cases.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
     /// Whether no case is finished.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
     /// Time (s) that the finished cases have taken.
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         // In an order of its own, so that the sum is the same whatever was finished first.
         let mut seconds: Vec<f64> = self.entries.values().map(|entry| entry.seconds).collect();
@@ -274,7 +264,6 @@ impl Journal {
     }
 
     /// Finished cases that failed: study, case and why, in the order of their names.
-    #[must_use]
     pub fn failures(&self) -> Vec<[&str; 3]> {
         let mut failures = Vec::new();
         for entry in self.entries.values() {
@@ -287,13 +276,11 @@ impl Journal {
     }
 
     /// Why no more can be written, if that is so.
-    #[must_use]
     pub fn broken(&self) -> Option<&BenchError> {
         self.broken.as_ref()
     }
 
     /// What a finished case found, or why it failed.
-    #[must_use]
     pub fn recall(&self, study: &str, case: &str) -> Option<Result<Value, BenchError>> {
         let entry = self.entries.get(&(study.to_owned(), case.to_owned()))?;
         Some(match &entry.outcome {
@@ -303,9 +290,6 @@ impl Journal {
     }
 
     /// Keeps what a case found in `seconds`, or why it failed.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if the file cannot be written. Then nothing is written any more.
     pub fn record(
         &mut self,
         study: &str,

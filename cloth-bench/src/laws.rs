@@ -1,5 +1,22 @@
 //! Closed forms beside what the code does.
 
+/// Declares a law with the settings that are its own, as [`settings!`](crate::settings!) does, and if need be those of
+/// a bending model: name and tolerance, what it says, and the function that evaluates it.
+macro_rules! law {
+    ($law:ident = $name:literal within $tolerance:literal, $about:literal;
+     $evaluate:ident($table:ident { $($settings:tt)* } $(and $other:ident)?)) => {
+        crate::settings! { struct $table { $($settings)* } }
+
+        pub(super) const $law: Law = Law {
+            name: $name,
+            about: $about,
+            parameters: &[$table::PARAMETERS $(, $other::PARAMETERS)?],
+            tolerance: $tolerance,
+            evaluate: |settings| $evaluate(&$table::read(settings)? $(, &$other::read(settings)?)?),
+        };
+    };
+}
+
 mod bending_spring;
 pub mod buckling;
 mod catenary;
@@ -43,7 +60,6 @@ pub struct Evaluation {
 
 impl Evaluation {
     /// An expected and a measured number.
-    #[must_use]
     pub fn new(expected: Real, measured: Real) -> Self {
         Self {
             expected,
@@ -54,21 +70,18 @@ impl Evaluation {
     }
 
     /// States what rounding alone can explain.
-    #[must_use]
     pub fn rounding(mut self, rounding: Real) -> Self {
         self.rounding = rounding;
         self
     }
 
     /// Adds a named number.
-    #[must_use]
     pub fn detail(mut self, name: &'static str, value: Real) -> Self {
         self.details.push((name, value));
         self
     }
 
     /// `|measured − expected|`, relative to the expected number unless that is zero.
-    #[must_use]
     pub fn error(&self) -> Real {
         let difference = (self.measured - self.expected).abs();
         if self.expected == 0.0 {
@@ -142,15 +155,11 @@ pub const LAWS: [&Law; 27] = [
 
 impl Law {
     /// Whether the code is as near to the closed form as it has to be.
-    #[must_use]
     pub fn holds(&self, evaluation: &Evaluation) -> bool {
         evaluation.error() <= self.tolerance.max(evaluation.rounding)
     }
 
     /// The law of that name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
         LAWS.iter()
             .copied()

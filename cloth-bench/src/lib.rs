@@ -1,4 +1,11 @@
 //! The cloth simulation methods of this workspace, measured side by side.
+//!
+//! This is a program: what is public here is so for its tests and for methods of one's own. Whatever can fail returns
+//! an [`error::BenchError`], which says what is wrong and whether the user or the program has to mend it; `# Errors`
+//! stands where there is more to say.
+
+// Of a program, nobody forgets the result of a function unnoticed; of its errors, see above.
+#![allow(clippy::must_use_candidate, clippy::missing_errors_doc)]
 
 mod bounds;
 pub mod ccd;

@@ -74,13 +74,11 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 /// The most memory (bytes) that this process has held at a time, where the system tells it (Linux).
-#[must_use]
 pub fn peak() -> Option<u64> {
     kilobytes("/proc/self/status", "VmHWM:").map(|kb| 1024 * kb)
 }
 
 /// Memory (bytes) that programs could still take, where the system tells it (Linux).
-#[must_use]
 pub fn available() -> Option<u64> {
     kilobytes("/proc/meminfo", "MemAvailable:").map(|kb| 1024 * kb)
 }

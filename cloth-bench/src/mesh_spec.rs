@@ -69,7 +69,6 @@ fn kinds() -> Vec<&'static str> {
 }
 
 /// Whether `spec` names a file: what has no colon, or exists and is no generator.
-#[must_use]
 pub fn is_file(spec: &str) -> bool {
     match spec.split_once(':') {
         None => !kinds().contains(&spec),

@@ -126,9 +126,6 @@ pub const METHODS: [Method; 10] = [
 
 impl Method {
     /// The method of that name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
         all().find(|method| method.name == name).ok_or_else(|| {
             let known: Vec<&str> = all().map(|m| m.name).collect();
@@ -137,7 +134,6 @@ impl Method {
     }
 
     /// The tables of what can be set, with the published setting: of the method, and of all methods.
-    #[must_use]
     pub fn parameters(&self) -> Vec<&'static [Parameter]> {
         [self.parameters, &[strain_limit::StrainLimit::PARAMETERS]].concat()
     }
@@ -255,44 +251,31 @@ impl Method {
         substeps: u32,
     ) -> Result<Box<dyn Stepper>, BenchError> {
         let (particles, families) = (&scene.model.particles, scene.model.families());
-        macro_rules! mass_spring {
+        macro_rules! solver {
             ($kind:ident, $config:expr) => {{
                 let builder = $kind::builder(particles).config($config);
                 Box::new(self.built(builder.elements(families).build())?)
             }};
         }
         Ok(match self.kind {
-            Kind::Explicit => mass_spring!(ExplicitEuler, explicit(settings, substeps)?),
-            Kind::Symplectic => mass_spring!(SymplecticEuler, explicit(settings, substeps)?),
-            Kind::Implicit => mass_spring!(ImplicitEuler, mass_spring::newton(scene, settings)?),
-            Kind::LinearImplicit => mass_spring!(ImplicitEuler, mass_spring::linearized(settings)?),
-            Kind::Midpoint => mass_spring!(ImplicitMidpoint, mass_spring::newton(scene, settings)?),
-            Kind::Bdf2 => mass_spring!(Bdf2, mass_spring::newton(scene, settings)?),
+            Kind::Explicit => solver!(ExplicitEuler, explicit(settings, substeps)?),
+            Kind::Symplectic => solver!(SymplecticEuler, explicit(settings, substeps)?),
+            Kind::Implicit => solver!(ImplicitEuler, mass_spring::newton(scene, settings)?),
+            Kind::LinearImplicit => solver!(ImplicitEuler, mass_spring::linearized(settings)?),
+            Kind::Midpoint => solver!(ImplicitMidpoint, mass_spring::newton(scene, settings)?),
+            Kind::Bdf2 => solver!(Bdf2, mass_spring::newton(scene, settings)?),
             Kind::Pbd => {
-                let builder =
-                    PbdSolver::builder(particles).config(position_based::pbd(settings, substeps)?);
-                let solver = self.built(builder.elements(families).build())?;
-                Box::new(match position_based::hierarchy(scene, settings)? {
-                    Some(levels) => self.built(solver.with_hierarchy(levels))?,
+                let solver = solver!(PbdSolver, position_based::pbd(settings, substeps)?);
+                match position_based::hierarchy(scene, settings)? {
+                    Some(levels) => Box::new(self.built(solver.with_hierarchy(levels))?),
                     None => solver,
-                })
+                }
             }
             Kind::Xpbd => match position_based::single(settings, substeps)? {
-                Some(config) => {
-                    let builder = SingleXpbd::builder(particles).config(config);
-                    Box::new(self.built(builder.elements(families).build())?)
-                }
-                None => {
-                    let config = position_based::xpbd(settings, substeps)?;
-                    let builder = XpbdSolver::builder(particles).config(config);
-                    Box::new(self.built(builder.elements(families).build())?)
-                }
+                Some(config) => solver!(SingleXpbd, config),
+                None => solver!(XpbdSolver, position_based::xpbd(settings, substeps)?),
             },
-            Kind::XpbdDirect => {
-                let builder =
-                    DirectXpbd::builder(particles).config(direct::direct(settings, substeps)?);
-                Box::new(self.built(builder.elements(families).build())?)
-            }
+            Kind::XpbdDirect => solver!(DirectXpbd, direct::direct(settings, substeps)?),
             Kind::Pd => {
                 let own = projective::Pd::read(settings)?;
                 let config = projective::projective(&own)?;
@@ -315,9 +298,6 @@ impl Method {
     }
 
     /// Into how many parts the method cuts a step of `dt` (s) on a scene.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a setting out of range.
     pub fn substeps(
         &self,
         scene: &Scene,

@@ -9,7 +9,6 @@
 /// Near means at most one mistake in three letters (and always at least one allowed), or that the
 /// given name is the beginning of a known one. Case does not count. Of equally near names the
 /// first in `known` is returned.
-#[must_use]
 pub fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
     let given = given.trim().to_lowercase();
     let allowed = (given.chars().count() / 3).max(1);
@@ -39,7 +38,6 @@ pub fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
 ///     "unknown method `xpdb`: did you mean `xpbd`? (known: pbd, xpbd)"
 /// );
 /// ```
-#[must_use]
 pub fn unknown(kind: &str, given: &str, known: &[&str]) -> String {
     let known_names = if known.is_empty() {
         "none".to_owned()

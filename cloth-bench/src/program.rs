@@ -32,7 +32,6 @@ struct Arguments {
 ///     cloth_bench::main_with(&[MINE])
 /// }
 /// ```
-#[must_use]
 pub fn main_with(own: &'static [Method]) -> ExitCode {
     let arguments = Arguments::try_parse().unwrap_or_else(|error| shortened(error).exit());
     match method::register(own).and_then(|()| commands::execute(&arguments.command)) {

@@ -147,8 +147,19 @@ struct Course<'a> {
 }
 
 impl Summary {
+    /// Adds what is counted of a step.
+    fn count(&mut self, report: &StepReport) {
+        self.linear_iterations += u64::from(report.linear_iterations);
+        self.chebyshev_fallbacks += u64::from(report.chebyshev_fallbacks);
+        self.coarse_builds += u64::from(report.coarse_builds);
+        self.coarse_fallbacks += u64::from(report.coarse_fallbacks);
+        self.newton_fallbacks += u64::from(report.newton_fallbacks);
+        self.refinements += u64::from(report.refinements);
+        self.unfinished_steps += u32::from(report.unfinished > 0);
+        self.converged_steps += u32::from(report.outcome == Outcome::Converged);
+    }
+
     /// A sentence about energy from nowhere, if there is so much of it that it is worth a warning.
-    #[must_use]
     pub fn energy_warning(&self) -> Option<String> {
         let (excess, given) = (self.energy_excess, self.energy_given);
         (excess > energy::WORTH_A_WARNING * given).then(|| {
@@ -157,12 +168,9 @@ impl Summary {
             )
         })
     }
-}
 
-impl Summary {
     /// A sentence about steps that ended at their most iterations, if there are so many of them that it is worth a
     /// warning.
-    #[must_use]
     pub fn budget_warning(&self) -> Option<String> {
         let (unfinished, steps) = (self.unfinished_steps, self.steps);
         (Real::from(unfinished) > UNFINISHED * Real::from(steps)).then(|| {
@@ -297,7 +305,7 @@ impl<'a> Course<'a> {
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(contacts);
         }
-        let report = stepper.step(state, input).map_err(BenchError::failed)?;
+        let report = stepper.step(state, input)?;
         self.seconds += started.elapsed().as_secs_f64();
         if let Some(contacts) = &mut self.contacts {
             contacts.count(is_tangled);
@@ -322,9 +330,6 @@ impl<'a> Course<'a> {
 /// Small steps hardly damp, so the cloth is brought to rest by *kinetic damping*: whenever the kinetic energy has
 /// passed a maximum, all velocities are set to zero. The state of rest is the method's own: there the velocities are
 /// zero anyway.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn to_rest(
     scene: &Scene,
     stepper: &mut dyn Stepper,
@@ -404,7 +409,6 @@ pub struct Plan {
 
 impl Plan {
     /// So many steps of `dt` (s), without forces.
-    #[must_use]
     pub fn new(dt: Real, steps: u32) -> Self {
         Self {
             dt,
@@ -444,23 +448,14 @@ fn take_steps(
     let mut seconds = Vec::with_capacity(steps as usize);
     let mut contact_seconds = Vec::with_capacity(steps as usize);
     let mut iterations = Vec::with_capacity(steps as usize);
-    let (mut unfinished_steps, mut converged_steps, mut linear_iterations) = (0, 0, 0);
-    let (mut chebyshev_fallbacks, mut coarse_builds, mut coarse_fallbacks) = (0, 0, 0);
-    let (mut newton_fallbacks, mut refinements) = (0, 0);
+    let mut counted = Summary::default();
     for step in 1..=steps {
         course.change(solver, state, dt, &mut balance)?;
         let report = course.step(solver.stepper(), state, dt, Some(&mut balance))?;
         seconds.push(course.seconds);
         contact_seconds.extend(course.contacts.is_some().then_some(course.contact_seconds));
         iterations.push(report.iterations);
-        linear_iterations += u64::from(report.linear_iterations);
-        chebyshev_fallbacks += u64::from(report.chebyshev_fallbacks);
-        coarse_builds += u64::from(report.coarse_builds);
-        coarse_fallbacks += u64::from(report.coarse_fallbacks);
-        newton_fallbacks += u64::from(report.newton_fallbacks);
-        refinements += u64::from(report.refinements);
-        unfinished_steps += u32::from(report.unfinished > 0);
-        converged_steps += u32::from(report.outcome == Outcome::Converged);
+        counted.count(&report);
         let [held, given] = balance.now();
         after(&Moment {
             step,
@@ -475,7 +470,7 @@ fn take_steps(
     }
     let untangling = std::mem::take(&mut course.untangling);
     let scene = course.scene.into_owned();
-    let mut energies = scene.elastic().map_err(BenchError::failed)?;
+    let mut energies = scene.elastic()?;
     energies.set_time(state.time);
     let particles = &scene.model.particles;
     let strain = measure::Strain::of(&scene.gauges()?, &state.positions);
@@ -492,15 +487,7 @@ fn take_steps(
         most_pinched: course.contacts.as_ref().map_or(0, |c| c.most_pinched),
         iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
         iterations_per_step: median_count(&mut iterations),
-        linear_iterations,
-        chebyshev_fallbacks,
-        coarse_builds,
-        coarse_fallbacks,
-        newton_fallbacks,
-        refinements,
         rebuilds: course.rebuilds,
-        unfinished_steps,
-        converged_steps,
         max_stretch: strain.max,
         rms_strain: strain.rms,
         kinetic_energy: measure::kinetic_energy(particles, &state.velocities),
@@ -517,16 +504,24 @@ fn take_steps(
         min_clearance: min_clearance(&scene, state),
         max_seam_gap: scene.max_seam_gap(state),
         max_volume_change: scene.max_volume_change(state),
-        ..Summary::default()
+        ..counted
     };
     untangling.report(&scene, state, &mut summary);
     Ok((summary, scene))
 }
 
+/// So many steps of a method from the start of a scene, and where it ended.
+pub fn simulate(
+    scene: &Scene,
+    method: &Method,
+    settings: &Settings,
+    dt: Real,
+    steps: u32,
+) -> Result<(Summary, State), BenchError> {
+    from_start(scene, method, settings, dt, steps, |_, _, _| Ok(()))
+}
+
 /// A run of a method from the start of a scene, and where it ended; otherwise as [`run`].
-///
-/// # Errors
-/// Those of [`Method::build`] and of [`run`].
 pub fn from_start(
     scene: &Scene,
     method: &Method,
@@ -549,8 +544,7 @@ fn separation(
     let Some(mut probe) = scene.separation_probe() else {
         return Ok(None);
     };
-    let measured = probe.measure(&state.positions);
-    measured.map(Some).map_err(BenchError::failed)
+    Ok(Some(probe.measure(&state.positions)?))
 }
 
 /// Height of the centre of mass (m) against gravity; 0 without gravity.
@@ -559,8 +553,12 @@ fn height(scene: &Scene, state: &State) -> Real {
     measure::center_of_mass(&scene.model.particles, &state.positions).dot(&up)
 }
 
+/// The largest of some values; 0 of none.
+pub fn largest(values: impl IntoIterator<Item = Real>) -> Real {
+    values.into_iter().fold(0.0, Real::max)
+}
+
 /// Median of some times; 0 of none.
-#[must_use]
 pub fn median(values: &mut [Real]) -> Real {
     values.sort_by(Real::total_cmp);
     match values.len() {

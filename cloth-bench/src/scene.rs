@@ -291,7 +291,7 @@ impl Scene {
     pub fn gauges(&self) -> Result<Vec<Spring>, BenchError> {
         match &self.mesh {
             Some(mesh) if self.model.springs.is_empty() => {
-                let edges = EdgeTable::build(mesh).map_err(BenchError::failed)?;
+                let edges = EdgeTable::build(mesh)?;
                 Ok(Spring::along(mesh.positions(), edges.ends(), 0.0))
             }
             _ => Ok(self.model.springs.clone()),

@@ -50,7 +50,6 @@ pub struct Parameter {
 
 impl Parameter {
     /// What it is, with unit and range.
-    #[must_use]
     pub fn explained(&self) -> String {
         let limits = [self.unit, &self.range.to_string()];
         let limits: Vec<&str> = limits.into_iter().filter(|text| !text.is_empty()).collect();
@@ -67,10 +66,6 @@ pub trait Table: Sized {
     const PARAMETERS: &'static [Parameter];
 
     /// The struct as it is set.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a value that cannot be read or is out of range, with its key, and with file and line
-    /// if it is from a file.
     fn read(settings: &Settings) -> Result<Self, BenchError>;
 }
 
@@ -125,13 +120,11 @@ impl<T> Deref for Setting<T> {
 
 impl<T> Setting<T> {
     /// Whether it was given, by the user or by the program.
-    #[must_use]
     pub fn is_given(&self) -> bool {
         self.is_given
     }
 
     /// The same without the value, for lists of settings of several types.
-    #[must_use]
     pub fn bare(&self) -> Setting<()> {
         Setting {
             value: (),
@@ -142,7 +135,6 @@ impl<T> Setting<T> {
     }
 
     /// Its key.
-    #[must_use]
     pub fn name(&self) -> &'static str {
         self.name
     }
@@ -153,17 +145,11 @@ impl<T> Setting<T> {
     }
 
     /// Refuses it if it was given, because it does nothing without `what`.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names both.
     pub fn refuse_without(&self, what: &str) -> Result<(), BenchError> {
         self.refuse_given(format_args!("without {what}"))
     }
 
     /// Refuses it if it was given, because it does nothing `there`.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names both.
     pub fn refuse_given(&self, there: impl Display) -> Result<(), BenchError> {
         match self.is_given {
             true => Err(self.refuse(format!("{} has no meaning {there}", self.name))),
@@ -226,14 +212,12 @@ impl Settings {
     ///
     /// # Panics
     /// If one of them is not of the form `key=value`.
-    #[must_use]
     pub fn of(text: &str) -> Self {
         let pairs: Vec<&str> = text.split_whitespace().collect();
         Self::parse(&pairs).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The same settings and one more, which holds if there is one of its key already.
-    #[must_use]
     #[allow(clippy::needless_pass_by_value)] // callers hand in literals; a reference before each would only be noise
     pub fn with(self, key: &str, value: impl Display) -> Self {
         self.entry(key, value, None)
@@ -257,14 +241,12 @@ impl Settings {
     }
 
     /// These settings and `later` ones, which hold where both are given.
-    #[must_use]
     pub fn then(mut self, later: &Self) -> Self {
         self.given.extend_from_slice(&later.given);
         self
     }
 
     /// These settings, and where they give nothing, other `defaults` than usual.
-    #[must_use]
     pub fn with_defaults(&self, defaults: &str) -> Cow<'_, Self> {
         if defaults.is_empty() {
             return Cow::Borrowed(self);
@@ -278,9 +260,6 @@ impl Settings {
     }
 
     /// Refuses keys that none of the tables knows. `what` names what takes them.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the key and the nearest known one.
     pub fn check(&self, what: &str, tables: &[&[Parameter]]) -> Result<(), BenchError> {
         let known: Vec<&str> = tables
             .iter()
@@ -308,7 +287,6 @@ impl Settings {
     }
 
     /// Those of the settings whose keys the tables know.
-    #[must_use]
     pub fn among(&self, tables: &[&[Parameter]]) -> Self {
         let is_known = |key: &str| tables.iter().flat_map(|t| t.iter()).any(|p| p.name == key);
         let mut own = self.clone();
@@ -317,7 +295,6 @@ impl Settings {
     }
 
     /// What was given for a key, as it is written.
-    #[must_use]
     pub fn get(&self, key: &str) -> Option<&str> {
         let last = self.last(key).filter(|entry| !entry.is_default);
         last.map(|entry| entry.text.as_str())
@@ -329,9 +306,6 @@ impl Settings {
 
     /// The value of the next of some parameters; [`settings!`](crate::settings!) reads the fields of a table by it.
     ///
-    /// # Errors
-    /// Those of [`Settings::value`].
-    ///
     /// # Panics
     /// If there is none left, and as [`Settings::value`].
     pub fn next<T: Value>(
@@ -342,9 +316,6 @@ impl Settings {
     }
 
     /// The value of a parameter.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a value that cannot be read or is out of range.
     ///
     /// # Panics
     /// For a default that cannot be read.

@@ -4,10 +4,12 @@
 //!
 //! 1. `study.grid(points, name, measure)` measures every point of a grid that is not finished yet, or `grid_side_by_side`
 //!    where no times are measured, and gives the points with what was found there. What failed is a remark already.
-//! 2. What is measured is a serde struct, kept in the journal; with a struct for the point it is a row.
-//!    `Table::of(&rows)` reads the columns from both, units included.
+//!    Points are tuples such as `iproduct!(methods(), sizes)` gives, or structs.
+//! 2. What is measured is a serde struct, kept in the journal; behind its point it is a row.
+//!    `study.table(name, caption, &rows)` reads the columns from the structs, units included; what a tuple holds is
+//!    named by `Table::named`.
 //! 3. `curves(&rows, |row| (label, (x, y)))` says which columns go where; `Plot::new(title, x, y).with(curves)` draws.
-//! 4. `study.findings.section.verdict` says in words what the rows show.
+//! 4. `study.section.verdict` says in words what the rows show.
 //!
 //! Nothing else has to be told: cases are counted, left out, resumed and joined by the names that the grid gives them.
 //! `recovery` and `threads` are short ones to start from.
@@ -50,7 +52,7 @@ use crate::journal::Journal;
 use crate::names;
 use crate::report::html::{Answer, Section};
 use crate::report::plot::Plot;
-use crate::report::table::Table;
+use crate::report::table::{Cell, Table, two};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -70,15 +72,11 @@ pub struct Study {
 type Run = fn(&mut StudyRun<'_>) -> Result<(), BenchError>;
 
 /// Whether a scene file serves for the studies that take one.
-///
-/// # Errors
-/// [`BenchError::Usage`] with what is wrong with it.
 pub fn check_scene(path: &Path) -> Result<(), BenchError> {
     sheets::TestSheet::own(path).map(|_| ())
 }
 
 /// Whether a method ends with this error wherever it is used, as theory foretells: a finding, but no alarm.
-#[must_use]
 pub fn is_expected(error: &str) -> bool {
     error.contains("no step is stable for this method")
 }
@@ -116,6 +114,11 @@ impl Scope {
             Self::Full => full,
         }
     }
+
+    /// The same of a constant: of small sizes first.
+    pub(crate) fn of<T>(self, [quick, full]: [T; 2]) -> T {
+        self.pick(quick, full)
+    }
 }
 
 /// What a study found: a section of the report, and the same as data.
@@ -142,6 +145,11 @@ impl Findings {
         self.answers.extend(part.answers);
     }
 
+    /// Adds a remark below the section.
+    pub(crate) fn note(&mut self, note: String) {
+        self.section.notes.push(note);
+    }
+
     /// Draws a plot and keeps it under a name.
     pub(crate) fn plot(&mut self, name: &str, plot: &Plot) {
         let svg = plot.draw().svg;
@@ -156,8 +164,7 @@ impl Findings {
     ) -> Option<T> {
         let note = |error: BenchError| {
             let failed = capitalised(failed(&error.to_string()));
-            let notes = &mut self.section.notes;
-            notes.push(format!("{failed}: {case}: {error}."));
+            self.note(format!("{failed}: {case}: {error}."));
         };
         outcome.map_err(note).ok()
     }
@@ -181,12 +188,13 @@ impl Findings {
     }
 
     /// Keeps a table as data only.
-    pub(crate) fn data(&mut self, name: &str, table: Table) {
-        self.data.push((name.to_owned(), table));
+    pub(crate) fn data(&mut self, name: &str, table: impl Into<Table>) {
+        self.data.push((name.to_owned(), table.into()));
     }
 
     /// Keeps a table as data and shows it with a caption.
-    pub(crate) fn table(&mut self, name: &str, caption: &str, table: Table) {
+    pub(crate) fn table(&mut self, name: &str, caption: &str, table: impl Into<Table>) {
+        let table = table.into();
         let shown = (name.to_owned(), caption.to_owned(), table.clone());
         self.section.tables.push(shown);
         self.data(name, table);
@@ -219,9 +227,6 @@ pub const STUDIES: [&Study; 20] = [
 
 impl Study {
     /// The study of that name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
         STUDIES
             .iter()
@@ -235,7 +240,6 @@ impl Study {
 
     /// Number of its cases, with the scenes of the program or with a scene file of one's own: those that it asks for
     /// when none is run.
-    #[must_use]
     pub fn cases(&self, scope: Scope, own: Option<&Path>) -> usize {
         let (share, own) = (Share::Nothing, own.map(Path::to_owned));
         let mut progress = |_: Progress<'_>| {};
@@ -247,7 +251,6 @@ impl Study {
     }
 
     /// Whether it can be asked of a scene of one's own.
-    #[must_use]
     pub fn takes_a_scene(&self) -> bool {
         [convergence::STUDY.name, work_precision::STUDY.name].contains(&self.name)
     }
@@ -255,10 +258,6 @@ impl Study {
     /// Runs the cases that are not in the journal and that `share` leaves to this run, and draws the conclusions.
     /// `progress` is called before each case. Returns the names of the cases that are still missing as
     /// well: with some, the findings are not to be shown.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if the journal cannot be written, or if a reference does not converge. A method that
-    /// fails is a finding, not an error.
     pub fn run(
         &self,
         scope: Scope,
@@ -304,6 +303,15 @@ impl Study {
         }
         Ok((findings, missing))
     }
+}
+
+/// Who is the first at an error that is wanted, and when, of labels with an error and a time (ms).
+fn fastest_to<'a>(wanted: f64, all: impl Iterator<Item = (&'a str, f64, f64)>) -> Cell {
+    let there = all.filter(|(_, error, _)| *error <= wanted);
+    let first = there.min_by(|(.., a), (.., b)| a.total_cmp(b));
+    first.map_or(Cell::said("nobody"), |(label, _, ms)| {
+        Cell::said(format!("{label}: {} ms", two(ms)))
+    })
 }
 
 fn capitalised(name: &str) -> String {

@@ -33,8 +33,10 @@ pub struct StepProblem {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepError {
     /// `(G − G*)/(G(x̃) − G*)` (dimensionless): 1 at the inertial prediction, 0 at the minimum.
+    #[serde(rename = "objective error")]
     pub objective: Real,
     /// `‖∇G‖/‖∇G(x̃)‖` in the norm of M⁻¹ (dimensionless).
+    #[serde(rename = "gradient error")]
     pub gradient: Real,
 }
 
@@ -42,6 +44,7 @@ pub struct StepError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Iterations so far.
+    #[serde(rename = "iterations")]
     pub iteration: u32,
     /// Seconds so far, without the time spent measuring.
     pub seconds: Real,
@@ -136,7 +139,6 @@ impl StepProblem {
     }
 
     /// Distance of `positions` (m) from the minimiser.
-    #[must_use]
     pub fn error(&self, positions: &[Vec3]) -> StepError {
         StepError {
             objective: (self.potential().value(positions) - self.minimum) / self.start_gap,
@@ -146,7 +148,6 @@ impl StepProblem {
 
     /// `‖M(x − x̃) − ∇Cᵀλ‖/‖Δt² ∇G(x̃)‖` in the norm of M⁻¹ (dimensionless): what XPBD's multipliers λ (kg m), one a
     /// spring, leave of the balance of momentum at `positions` (m). Where C + α̃λ = 0 it is the error of the gradient.
-    #[must_use]
     pub fn momentum_residual(&self, positions: &[Vec3], multipliers: &[Real]) -> Real {
         let mass = self.model.particles.mass().iter();
         let moved = positions.iter().zip(&self.predicted).zip(mass);
@@ -162,21 +163,16 @@ impl StepProblem {
     }
 
     /// The state that the step starts from.
-    #[must_use]
     pub fn state(&self) -> &State {
         &self.state
     }
 
     /// Relative gradient norm at the reference: how exactly it is known.
-    #[must_use]
     pub fn reference_gradient(&self) -> Real {
         self.error(&self.minimiser).gradient
     }
 
     /// Takes the step with a method and measures after every iteration.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] with the method's own error.
     pub fn trace(&self, stepper: &mut dyn Stepper) -> Result<Vec<Sample>, BenchError> {
         let mut recorder = Recorder {
             problem: self,
@@ -210,9 +206,6 @@ impl StepProblem {
     }
 
     /// Takes the step with a method, unwatched; returns the error at its end, its report and the seconds it took.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] with the method's own error.
     pub fn solve(
         &self,
         stepper: &mut dyn Stepper,
@@ -225,9 +218,6 @@ impl StepProblem {
 }
 
 /// Newton's method to rounding, and to a minimum: the reference.
-///
-/// # Errors
-/// [`BenchError::Failed`] if the model names vertices that do not exist.
 pub fn reference(model: &ClothModel) -> Result<ImplicitEuler, BenchError> {
     ImplicitEuler::builder(&model.particles)
         .elements(model.families())

@@ -20,7 +20,6 @@ use cloth_core::math::{Real, Vec3};
 /// nearly zero, its roots are made of rounding. A tolerance mends the tests at a root that was found, not the roots
 /// that were not; and a large one reports contacts that are none. A time that was found may be late by what bisection
 /// leaves.
-#[must_use]
 pub fn first_contact(query: &Query, tolerance: Real) -> Option<Real> {
     let differences = |[a, b, c, d]: [Vec3; 4]| match query.kind {
         QueryKind::VertexTriangle => [a - b, a - c, a - d, a - d],

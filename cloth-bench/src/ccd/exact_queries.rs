@@ -81,7 +81,6 @@ pub struct ExactQueries {
 
 impl ExactQueries {
     /// The sequence that belongs to `seed`.
-    #[must_use]
     pub fn new(kind: QueryKind, seed: u64) -> Self {
         Self {
             kind,

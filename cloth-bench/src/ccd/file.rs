@@ -15,9 +15,6 @@ const ROWS: usize = 8;
 
 /// All queries of a file. A coordinate is the `f64` nearest to its fraction; if the denominator is a power of two and
 /// the numerator short enough, it is the fraction.
-///
-/// # Errors
-/// [`BenchError::Usage`] that names the file and the line.
 pub fn read(path: &str, kind: QueryKind) -> Result<Vec<LabelledQuery>, BenchError> {
     let refuse = |message: &dyn Display| BenchError::Usage(format!("{path}: {message}"));
     let bytes = std::fs::read(path).map_err(|error| refuse(&error))?;

@@ -62,22 +62,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         }
     };
     let score = ccd::score(&method, &queries, place)?;
-    print_pairs(
-        arguments.json,
-        &[
-            ("method", json!(method.name)),
-            ("kind", json!(kind_name)),
-            ("queries", json!(score.queries)),
-            ("positives", json!(score.positives)),
-            ("false_positives", json!(score.false_positives)),
-            ("false_negatives", json!(score.false_negatives)),
-            ("late", json!(score.late)),
-            ("ns_per_query", json!(score.mean_ns)),
-            ("mean_ns", json!(score.mean_ns)),
-            ("median_ns", json!(score.median_ns)),
-            ("worst_ns", json!(score.worst_ns)),
-        ],
-    )?;
+    let mut pairs = vec![("method", json!(method.name)), ("kind", json!(kind_name))];
+    pairs.extend(fields!(score => queries, positives, false_positives, false_negatives, late));
+    pairs.push(("ns_per_query", json!(score.mean_ns)));
+    pairs.extend(fields!(score => mean_ns, median_ns, worst_ns));
+    print_pairs(arguments.json, &pairs)?;
     if method.promises && score.false_negatives + score.late > 0 {
         return Err(BenchError::Failed(format!(
             "method `{}` missed {} contacts and was late for {}",

@@ -30,12 +30,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         ("error", json!(evaluation.error())),
         ("tolerance", json!(law.tolerance.max(evaluation.rounding))),
     ];
-    pairs.extend(
-        evaluation
-            .details
-            .iter()
-            .map(|&(name, value)| (name, json!(value))),
-    );
+    let details = evaluation.details.iter();
+    pairs.extend(details.map(|&(name, value)| (name, json!(value))));
     print_pairs(arguments.json, &pairs)?;
     if law.holds(&evaluation) {
         return Ok(());

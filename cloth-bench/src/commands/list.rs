@@ -39,9 +39,8 @@ struct Entry {
 fn entries() -> [(&'static str, Vec<Entry>); 7] {
     let with_defaults = |name, about, tables: &[&'static [Parameter]], defaults: &'static str| {
         let own = |parameter: &Parameter| {
-            let mut defaults = defaults
-                .split_whitespace()
-                .filter_map(|pair| pair.split_once('='));
+            let defaults = defaults.split_whitespace();
+            let mut defaults = defaults.filter_map(|pair| pair.split_once('='));
             let own = defaults.find(|(key, _)| *key == parameter.name);
             Parameter {
                 default: own.map_or(parameter.default, |(_, default)| default),
@@ -56,54 +55,33 @@ fn entries() -> [(&'static str, Vec<Entry>); 7] {
     };
     let entry =
         |name, about, tables: &[&'static [Parameter]]| with_defaults(name, about, tables, "");
+    let plain = |name, about| entry(name, about, &[]);
+    let scenes = SCENES.iter();
+    let scenes = scenes.map(|s| with_defaults(s.name, s.about, &s.groups(), s.defaults()));
+    let sections = file::SECTIONS
+        .iter()
+        .map(|s| entry(s.head, s.about, s.keys));
+    let methods = method::all();
+    let methods = methods.map(|m| with_defaults(m.name, m.about, &m.parameters(), m.defaults()));
+    let laws = LAWS.iter().map(|l| entry(l.name, l.about, l.parameters));
+    let meshes = GENERATORS.iter().map(|&(form, about)| plain(form, about));
     [
-        (
-            "scenes",
-            SCENES
-                .iter()
-                .map(|s| with_defaults(s.name, s.about, &s.groups(), s.defaults()))
-                .collect(),
-        ),
-        (
-            SCENE_FILES,
-            file::SECTIONS
-                .iter()
-                .map(|s| entry(s.head, s.about, s.keys))
-                .collect(),
-        ),
-        (
-            "methods",
-            method::all()
-                .map(|m| with_defaults(m.name, m.about, &m.parameters(), m.defaults()))
-                .collect(),
-        ),
+        ("scenes", scenes.collect()),
+        (SCENE_FILES, sections.collect()),
+        ("methods", methods.collect()),
         (
             "studies",
-            STUDIES
-                .iter()
-                .map(|s| entry(s.name, s.question, &[]))
-                .collect(),
+            STUDIES.iter().map(|s| plain(s.name, s.question)).collect(),
         ),
-        (
-            "laws",
-            LAWS.iter()
-                .map(|l| entry(l.name, l.about, l.parameters))
-                .collect(),
-        ),
+        ("laws", laws.collect()),
         (
             "ccd-methods",
             ccd::METHODS
                 .iter()
-                .map(|m| entry(m.name, m.about, &[]))
+                .map(|m| plain(m.name, m.about))
                 .collect(),
         ),
-        (
-            "meshes",
-            GENERATORS
-                .iter()
-                .map(|&(form, about)| entry(form, about, &[]))
-                .collect(),
-        ),
+        ("meshes", meshes.collect()),
     ]
 }
 
@@ -120,10 +98,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     for (kind, entries) in kinds {
         let common = common(&entries);
         let full = |p: &Parameter| {
-            let set = if kind == SCENE_FILES {
-                format!("{} = {}", p.name, p.default)
-            } else {
-                format!("--set {}={}", p.name, p.default)
+            let set = match kind {
+                SCENE_FILES => format!("{} = {}", p.name, p.default),
+                _ => format!("--set {}={}", p.name, p.default),
             };
             format!("  {:18}   {set}  {}", "", p.explained())
         };

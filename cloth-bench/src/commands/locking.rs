@@ -22,37 +22,25 @@ pub struct Arguments {
 pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let found = Locking::of(&mesh_spec::load(&arguments.mesh)?)?;
     let t = found.topology;
-    print_pairs(
-        arguments.json,
-        &[
-            ("mesh", json!(arguments.mesh)),
-            ("vertices", json!(t.vertices)),
-            ("edges", json!(t.edges)),
-            ("faces", json!(t.faces)),
-            ("boundary_edges", json!(t.boundary_edges)),
-            ("boundary_loops", json!(t.boundary_loops)),
-            ("components", json!(t.components)),
-            ("euler", json!(t.euler)),
-            ("count_3v_e", json!(t.count_3v_e)),
-            (
-                "count_3euler_boundary",
-                json!(3 * t.euler + t.boundary_edges as i64),
-            ),
-            ("rank_threshold", json!(RANK_THRESHOLD)),
-            ("rank_flat", json!(found.flat.rank)),
-            ("nullity_flat", json!(found.flat.nullity)),
-            ("self_stresses_flat", json!(found.flat.self_stresses)),
-            (
-                "smallest_nonzero_singular_value_flat",
-                json!(found.flat.smallest_nonzero_singular_value),
-            ),
-            ("rank_bent", json!(found.bent.rank)),
-            ("nullity_bent", json!(found.bent.nullity)),
-            ("self_stresses_bent", json!(found.bent.self_stresses)),
-            (
-                "smallest_nonzero_singular_value_bent",
-                json!(found.bent.smallest_nonzero_singular_value),
-            ),
-        ],
-    )
+    let mut pairs = vec![("mesh", json!(arguments.mesh))];
+    pairs.extend(fields!(t => vertices, edges, faces, boundary_edges, boundary_loops, components));
+    pairs.extend(fields!(t => euler, count_3v_e));
+    let boundary = 3 * t.euler + t.boundary_edges as i64;
+    pairs.push(("count_3euler_boundary", json!(boundary)));
+    pairs.push(("rank_threshold", json!(RANK_THRESHOLD)));
+    let flat = ["rank_flat", "nullity_flat", "self_stresses_flat"];
+    let bent = ["rank_bent", "nullity_bent", "self_stresses_bent"];
+    let smallest = [
+        "smallest_nonzero_singular_value_flat",
+        "smallest_nonzero_singular_value_bent",
+    ];
+    for (names, last, rank) in [
+        (flat, smallest[0], found.flat),
+        (bent, smallest[1], found.bent),
+    ] {
+        let counts = [rank.rank, rank.nullity, rank.self_stresses];
+        pairs.extend(names.into_iter().zip(counts.map(|count| json!(count))));
+        pairs.push((last, json!(rank.smallest_nonzero_singular_value)));
+    }
+    print_pairs(arguments.json, &pairs)
 }

@@ -21,9 +21,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     arguments.output.check()?;
     let journal = Journal::merge(&arguments.output.out, &arguments.parts)?;
     let names = journal.heading().studies.clone();
-    let studies = names
-        .iter()
-        .map(|name| Study::find(name))
-        .collect::<Result<Vec<_>, _>>()?;
+    let studies = names.iter().map(|name| Study::find(name));
+    let studies = studies.collect::<Result<Vec<_>, _>>()?;
     study::conclude(&arguments.output, &studies, journal, Share::Nothing)
 }

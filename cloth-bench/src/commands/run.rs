@@ -175,17 +175,15 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             method.name
         )));
     }
-    if let Some(threads) = arguments
-        .threads
-        .filter(|threads| !(1..=MOST_THREADS).contains(threads))
+    if let Some(threads) = arguments.threads
+        && !(1..=MOST_THREADS).contains(&threads)
     {
         return Err(BenchError::Usage(format!(
             "--threads is {threads}, but it has to be 1 to {MOST_THREADS}"
         )));
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.unwrap_or(0))
-        .build()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.unwrap_or(0));
+    let pool = pool.build()?;
     // Inside the pool, so that the methods use its threads and no others.
     pool.install(|| simulate(arguments, &scene, method, &settings, dt, steps))
 }
@@ -202,15 +200,10 @@ fn simulate(
     let mut solver = Solver::new(method, settings, scene, dt)?;
     let setup_ms = 1e3 * begun.elapsed().as_secs_f64();
     let mut peak_memory = None;
-    let mut export = match &arguments.export {
-        Some(folder) => Some(Export::begin(
-            scene,
-            folder,
-            arguments.format,
-            arguments.export_every,
-        )?),
-        None => None,
-    };
+    let (format, every) = (arguments.format, arguments.export_every);
+    let export = arguments.export.as_ref();
+    let export = export.map(|folder| Export::begin(scene, folder, format, every));
+    let mut export = export.transpose()?;
     let mut table = arguments.forces.is_some().then(ForcesTable::default);
     let bar = progress_bar(steps);
     let mut tangles = TangleProgress::default();
@@ -218,10 +211,8 @@ fn simulate(
         eprintln!("note: {note}");
     }
     let mut state = scene.start.clone();
-    let mut watch = arguments
-        .watch
-        .then(|| SeparationWatch::new(scene))
-        .transpose()?;
+    let watch = arguments.watch.then(|| SeparationWatch::new(scene));
+    let mut watch = watch.transpose()?;
     let after = |moment: &Moment<'_>| {
         let (step, state) = (moment.step, moment.state);
         bar.inc(1);
@@ -299,41 +290,15 @@ fn simulate(
         ("threads", json!(rayon::current_num_threads())),
         ("setup_ms", json!(setup_ms)),
         ("peak_memory", json!(peak_memory)),
-        ("ms_per_step_median", json!(summary.ms_per_step_median)),
-        ("contact_ms_median", json!(summary.contact_ms_median)),
-        ("held_steps", json!(summary.held_steps)),
-        ("pinched_steps", json!(summary.pinched_steps)),
-        ("iterations", json!(summary.iterations)),
-        ("iterations_per_step", json!(summary.iterations_per_step)),
-        ("linear_iterations", json!(summary.linear_iterations)),
-        ("chebyshev_fallbacks", json!(summary.chebyshev_fallbacks)),
-        ("coarse_builds", json!(summary.coarse_builds)),
-        ("coarse_fallbacks", json!(summary.coarse_fallbacks)),
-        ("newton_fallbacks", json!(summary.newton_fallbacks)),
-        ("refinements", json!(summary.refinements)),
-        ("rebuilds", json!(summary.rebuilds)),
-        ("unfinished_steps", json!(summary.unfinished_steps)),
-        ("converged_steps", json!(summary.converged_steps)),
-        ("max_stretch", json!(summary.max_stretch)),
-        ("rms_strain", json!(summary.rms_strain)),
-        ("kinetic_energy", json!(summary.kinetic_energy)),
-        ("elastic_energy", json!(summary.elastic_energy)),
-        ("gravity_energy", json!(summary.gravity_energy)),
-        ("potential_energy", json!(summary.potential_energy)),
-        ("energy_excess", json!(summary.energy_excess)),
-        ("energy_given", json!(summary.energy_given)),
-        ("center_of_mass_drop", json!(summary.center_of_mass_drop)),
-        ("intersections", json!(summary.intersections)),
-        (
-            "obstacle_intersections",
-            json!(summary.obstacle_intersections),
-        ),
-        ("min_distance", json!(summary.min_distance)),
-        ("min_clearance", json!(summary.min_clearance)),
-        ("max_seam_gap", json!(summary.max_seam_gap)),
-        ("max_volume_change", json!(summary.max_volume_change)),
-        ("finite", json!(state.first_non_finite().is_none())),
     ];
+    pairs.extend(fields!(summary =>
+        ms_per_step_median, contact_ms_median, held_steps, pinched_steps, iterations, iterations_per_step,
+        linear_iterations, chebyshev_fallbacks, coarse_builds, coarse_fallbacks, newton_fallbacks, refinements,
+        rebuilds, unfinished_steps, converged_steps, max_stretch, rms_strain, kinetic_energy, elastic_energy,
+        gravity_energy, potential_energy, energy_excess, energy_given, center_of_mass_drop, intersections,
+        obstacle_intersections, min_distance, min_clearance, max_seam_gap, max_volume_change,
+    ));
+    pairs.push(("finite", json!(state.first_non_finite().is_none())));
     if let Some(exported) = exported? {
         pairs.extend([
             ("export_frames", json!(exported.frames)),
@@ -343,27 +308,14 @@ fn simulate(
     }
     let seen = watch.map(|watch| watch.seen());
     if let Some(seen) = &seen {
-        pairs.extend([
-            ("crossed_steps", json!(seen.crossed_steps)),
-            ("obstacle_crossed_steps", json!(seen.obstacle_crossed_steps)),
-            ("most_intersections", json!(seen.most_intersections)),
-            (
-                "most_obstacle_intersections",
-                json!(seen.most_obstacle_intersections),
-            ),
-            ("min_distance_of_all", json!(seen.min_distance)),
-            ("min_clearance_of_all", json!(seen.min_clearance)),
-        ]);
+        pairs.extend(fields!(seen =>
+            crossed_steps, obstacle_crossed_steps, most_intersections, most_obstacle_intersections,
+        ));
+        pairs.push(("min_distance_of_all", json!(seen.min_distance)));
+        pairs.push(("min_clearance_of_all", json!(seen.min_clearance)));
     }
     if !summary.tangled_pairs.is_empty() {
-        pairs.extend([
-            ("tangled_pairs", json!(summary.tangled_pairs)),
-            (
-                "tangled_obstacle_pairs",
-                json!(summary.tangled_obstacle_pairs),
-            ),
-            ("untangled_after", json!(summary.untangled_after)),
-        ]);
+        pairs.extend(fields!(summary => tangled_pairs, tangled_obstacle_pairs, untangled_after));
     }
     if arguments.reference {
         pairs.extend(compared(&scene, solver.stepper(), steps, dt)?);
@@ -375,13 +327,12 @@ fn simulate(
         surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
-    let warnings = [
-        summary.energy_warning(),
-        summary.budget_warning(),
-        summary.pinch_warning(),
-    ];
-    let crossings = crossing_warnings(start, &summary, seen.as_ref())?;
-    for warning in warnings.into_iter().flatten().chain(crossings) {
+    let (energy, budget) = (summary.energy_warning(), summary.budget_warning());
+    let warnings = energy
+        .into_iter()
+        .chain(budget)
+        .chain(summary.pinch_warning());
+    for warning in warnings.chain(crossing_warnings(start, &summary, seen.as_ref())?) {
         eprintln!("warning: {warning}");
     }
     let gain = summary.energy_gain.map(BenchError::failed);
@@ -461,15 +412,10 @@ fn view(scene: &Scene) -> View {
 }
 
 fn nalgebra_rotation(up: Vec3) -> cloth_core::math::Mat3 {
-    let (right, back) = if up.y.abs() > 0.5 {
-        (Vec3::x(), Vec3::z())
-    } else {
-        (Vec3::x(), -Vec3::y())
-    };
-    let (right, back) = if up.x.abs() > 0.5 {
-        (Vec3::y(), Vec3::z())
-    } else {
-        (right, back)
+    let (right, back) = match up {
+        up if up.x.abs() > 0.5 => (Vec3::y(), Vec3::z()),
+        up if up.y.abs() > 0.5 => (Vec3::x(), Vec3::z()),
+        _ => (Vec3::x(), -Vec3::y()),
     };
     cloth_core::math::Mat3::from_columns(&[right, -back, up])
 }

@@ -11,6 +11,7 @@ use crate::report::{arrow, facts};
 use crate::studies::{Findings, Progress, STUDIES, Scope, Share, Study, is_expected};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use itertools::Itertools;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -99,27 +100,19 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
 /// again.
 fn own_scene(path: &Path, studies: &[&Study]) -> Result<[(String, String); 2], BenchError> {
     if let Some(other) = studies.iter().find(|study| !study.takes_a_scene()) {
-        let known: Vec<&str> = STUDIES
-            .iter()
-            .filter(|s| s.takes_a_scene())
-            .map(|s| s.name)
-            .collect();
+        let known = STUDIES.iter().filter(|s| s.takes_a_scene());
         return Err(BenchError::Usage(format!(
             "--scene has no meaning for study `{}`; name studies that take one: {}",
             other.name,
-            known.join(", ")
+            known.map(|s| s.name).join(", ")
         )));
     }
     crate::studies::check_scene(path)?;
     let text = std::fs::read(path)
         .map_err(|error| BenchError::Usage(format!("{}: {error}", path.display())))?;
-    Ok([
-        (journal::SCENE.to_owned(), path.display().to_string()),
-        (
-            "contents of the scene".to_owned(),
-            format!("{:016x}", fnv1a(text)),
-        ),
-    ])
+    let contents = ("contents of the scene", format!("{:016x}", fnv1a(text)));
+    let facts = [(journal::SCENE, path.display().to_string()), contents];
+    Ok(facts.map(|(name, value)| (name.to_owned(), value)))
 }
 
 /// Runs what is not in the journal and falls to this run; writes the report, if this run is all of it.
@@ -132,11 +125,7 @@ pub(super) fn conclude(
     for damage in journal.damages() {
         eprintln!("warning: {damage}");
     }
-    let scope = if journal.heading().quick {
-        Scope::Quick
-    } else {
-        Scope::Full
-    };
+    let scope = [Scope::Full, Scope::Quick][usize::from(journal.heading().quick)];
     let own = journal.heading().scene().map(Path::new);
     let bar = progress_bar(studies.iter().map(|study| study.cases(scope, own)).sum());
     let mut first = true;
@@ -181,17 +170,17 @@ pub(super) fn conclude(
         _ => {}
     }
     write_report(output, &journal, &done, &failed)?;
-    let names: Vec<&str> = done.iter().map(|(study, _)| study.name).collect();
-    let failures: Vec<&str> = failed.iter().map(|(name, _)| *name).collect();
+    let names = done.iter().map(|(study, _)| study.name).collect_vec();
+    let failures = failed.iter().map(|(name, _)| *name).collect_vec();
     if output.json {
         print(&json!({"studies": names, "failed": failures, "out": output.out}).to_string())?;
     } else {
         let failures = journal.failures();
-        let [expected, alarms] = [true, false].map(|wanted| {
-            let of_kind = failures.iter().filter(|[.., e]| is_expected(e) == wanted);
-            of_kind.count()
-        });
-        print_verdicts(output, &done, expected, alarms)?;
+        let expected = failures
+            .iter()
+            .filter(|[.., error]| is_expected(error))
+            .count();
+        print_verdicts(output, &done, expected, failures.len() - expected)?;
     }
     failed.first().map_or(Ok(()), failure)
 }
@@ -277,11 +266,7 @@ fn write_report(
     let rasterizer = output.png.then(Rasterizer::new).transpose()?;
     let seconds = journal.seconds();
     let mut facts = journal.heading().facts.clone();
-    let scope = if journal.heading().quick {
-        "quick"
-    } else {
-        "full"
-    };
+    let scope = ["full", "quick"][usize::from(journal.heading().quick)];
     facts.push(("scope".into(), scope.into()));
     facts.push(("time of all cases".into(), format!("{seconds:.0} s")));
     let mut files = Vec::new();
@@ -315,22 +300,19 @@ fn write_report(
     });
     keep("data/all.arrow".into(), &arrow::file(tables)?)?;
     keep("report.html".into(), report.to_html().as_bytes())?;
-    let facts: serde_json::Map<String, Value> = report
-        .facts
-        .iter()
-        .map(|(name, value)| (name.clone(), json!(value)))
-        .collect();
-    let failures: Vec<Value> = failed
-        .iter()
-        .map(|(name, error)| json!({"study": name, "error": error.to_string()}))
-        .collect();
-    let names: Vec<&str> = done.iter().map(|(study, _)| study.name).collect();
-    let failures_of = |wanted: bool| -> Vec<Value> {
-        let all = journal.failures();
-        all.iter()
-            .filter(|[.., error]| is_expected(error) == wanted)
-            .map(|[study, case, error]| json!({"study": study, "case": case, "error": error}))
-            .collect()
+    let fact = |(name, value): &(String, String)| (name.clone(), json!(value));
+    let facts: serde_json::Map<String, Value> = report.facts.iter().map(fact).collect();
+    let failure =
+        |(name, error): &(&str, BenchError)| json!({"study": name, "error": error.to_string()});
+    let failures = failed.iter().map(failure).collect_vec();
+    let names = done.iter().map(|(study, _)| study.name).collect_vec();
+    let all = journal.failures();
+    let failures_of = |wanted: bool| {
+        let of_kind = all
+            .iter()
+            .filter(|[.., error]| is_expected(error) == wanted);
+        let case = |[study, case, error]: &[&str; 3]| json!({"study": study, "case": case, "error": error});
+        of_kind.map(case).collect_vec()
     };
     let manifest = json!({
         "studies": names, "failed": failures, "failed_cases": failures_of(false), "expected_failures": failures_of(true),

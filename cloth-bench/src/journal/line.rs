@@ -9,9 +9,6 @@ const DIGITS: usize = 16;
 const AFTER: &str = "\"}";
 
 /// The line, with its end.
-///
-/// # Errors
-/// That of `serde_json`.
 pub fn write(value: &impl Serialize) -> serde_json::Result<String> {
     let json = serde_json::to_string(value)?;
     let object = json.strip_suffix('}').unwrap_or(&json);

@@ -6,22 +6,15 @@ use cloth_core::mesh::generate;
 use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};
 
-crate::settings! {
-    struct BendingSpringSettings {
+law! {
+    BENDING_SPRING = "bending-spring" within 1e-6,
+    "energy of a bending spring across two equilateral triangles folded by θ, over k ℓ0² θ⁴ (dimensionless): 1/128; extrapolated from two angles";
+    bending_spring(BendingSpringSettings {
         angle_deg: Real = 2 "degrees" in Above(0.0), "largest fold, up to 30; a second one is half of it";
-    }
+    })
 }
 
-pub(super) const BENDING_SPRING: Law = Law {
-    name: "bending-spring",
-    about: "energy of a bending spring across two equilateral triangles folded by θ, over k ℓ0² θ⁴ (dimensionless): 1/128; extrapolated from two angles",
-    parameters: &[BendingSpringSettings::PARAMETERS],
-    tolerance: 1e-6,
-    evaluate: bending_spring,
-};
-
-fn bending_spring(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = BendingSpringSettings::read(settings)?;
+fn bending_spring(own: &BendingSpringSettings) -> Result<Evaluation, BenchError> {
     let angle = own.angle_deg.to_radians();
     if angle > 30.5_f64.to_radians() {
         return Err(BenchError::Usage(format!(

@@ -28,37 +28,26 @@
 use super::models::{Model, ModelSetting};
 use super::prelude::*;
 use super::strip::{Shape, Strip};
-use super::within_reach;
 use cloth_core::element::Convexity;
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::{Assembly, Energies};
 use cloth_core::method::linear::{Inertia, UpperPattern};
 use cloth_massspring::Accept;
 
-crate::settings! {
-    struct LateralBucklingSettings {
+law! {
+    LATERAL_BUCKLING = "lateral-buckling" within 0.005,
+    "Γ at which a strip held edge-on falls over sideways under its own weight (dimensionless): 12.8538 √(2/(1 + ν)), ν = −1/3 for equilateral triangles; extrapolated from four strips";
+    lateral_buckling(LateralBucklingSettings {
         across: u32 = 9 in AtLeast(5.0),
             "vertices across the finer strips, an odd number; the coarser ones have half as many cells";
         slenderness: Real = 16 in Above(0.0),
             "length over width of the narrower strips; the wider ones have half of it";
         elongation: Real = 0.8660254037844386 in Above(0.0),
             "height of the triangles along the strip over their base across it; √¾ makes them equilateral";
-    }
+    } and ModelSetting)
 }
 
-pub(super) const LATERAL_BUCKLING: Law = Law {
-    name: "lateral-buckling",
-    about: "Γ at which a strip held edge-on falls over sideways under its own weight (dimensionless): 12.8538 √(2/(1 + ν)), ν = −1/3 for equilateral triangles; extrapolated from four strips",
-    parameters: &[
-        LateralBucklingSettings::PARAMETERS,
-        ModelSetting::PARAMETERS,
-    ],
-    tolerance: 0.005,
-    evaluate: lateral_buckling,
-};
-
 /// `6 j`, with j the first zero of the Bessel function of order −1/6, from its power series.
-#[must_use]
 pub fn prandtl() -> Real {
     let bessel = |x: Real| {
         let (mut term, mut sum) = (1.0, 1.0);
@@ -195,9 +184,11 @@ fn critical(model: Model, shape: Shape) -> Result<Real, BenchError> {
     Ok(onset(&mut EdgeOn::new(shape, model)?, near)? / rigidity)
 }
 
-fn lateral_buckling(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = LateralBucklingSettings::read(settings)?;
-    let model = *ModelSetting::read(settings)?.model;
+fn lateral_buckling(
+    own: &LateralBucklingSettings,
+    model: &ModelSetting,
+) -> Result<Evaluation, BenchError> {
+    let model = *model.model;
     let across = *own.across;
     within_reach(1.5e6 * Real::from(across).powi(3))?;
     let across = across as usize;

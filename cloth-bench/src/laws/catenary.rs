@@ -1,27 +1,20 @@
 //! The catenary of a chain of elastic links, which is exact for springs and masses.
 
 use super::prelude::*;
-use super::within_reach;
 use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler};
 use nalgebra::{Matrix2, Vector2};
 
-crate::settings! {
-    struct CatenarySettings {
+law! {
+    CATENARY = "catenary" within 1e-8,
+    "depth (m) of the lowest vertex of a hanging chain below its first support: link i spans l(1/T + 1/kl)(H, V), with H the same everywhere and V falling by mg at every vertex";
+    catenary(CatenarySettings {
         links: u32 = 20 in AtLeast(2.0), "number of links, together 1 m";
         span: Real = 0.6 "m" in Above(0.0), "distance of the supports, across";
         drop: Real = 0.1 "m", "height of the first over the second";
         stiffness: Real = 500 "N/m" in Above(0.0), "stiffness k of every link";
         mass: Real = 0.05 "kg" in Above(0.0), "mass of every vertex";
-    }
+    })
 }
-
-pub(super) const CATENARY: Law = Law {
-    name: "catenary",
-    about: "depth (m) of the lowest vertex of a hanging chain below its first support: link i spans l(1/T + 1/kl)(H, V), with H the same everywhere and V falling by mg at every vertex",
-    parameters: &[CatenarySettings::PARAMETERS],
-    tolerance: 1e-8,
-    evaluate: catenary,
-};
 
 const GRAVITY: Real = 9.81;
 
@@ -119,8 +112,7 @@ impl Chain {
     }
 }
 
-fn catenary(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = CatenarySettings::read(settings)?;
+fn catenary(own: &CatenarySettings) -> Result<Evaluation, BenchError> {
     let mass = *own.mass;
     let links = *own.links;
     within_reach(1e4 * Real::from(links))?;

@@ -2,7 +2,6 @@
 
 use super::chains::chain;
 use super::prelude::*;
-use super::within_reach;
 use crate::settings::Or;
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::Observer;
@@ -10,23 +9,17 @@ use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use std::f64::consts::FRAC_PI_2;
 
-crate::settings! {
-    struct ChainRateSettings {
+law! {
+    CHAIN_RATE = "chain-rate" within 1e-10,
+    "factor by which one sweep reduces the slowest error of a straight chain of N rigid links, held at one end: jacobi cos(π/2N), gauss-seidel cos²(π/2N), sor ω − 1 with ω = 2/(1 + sin(π/2N)), chebyshev cos(π/2N)/(1 + sin(π/2N))";
+    chain_rate(ChainRateSettings {
         solver: Or<Sweeper, Solver> = "gauss-seidel",
             "jacobi, gauss-seidel, sor (at its best relaxation) or chebyshev (on jacobi); pbd or xpbd: gauss-seidel of \
              that method";
         method: Sweeper = "xpbd", "whose sweeps: pbd or xpbd";
         links: u32 = 20 in AtLeast(2.0), "number of links N";
-    }
+    })
 }
-
-pub(super) const CHAIN_RATE: Law = Law {
-    name: "chain-rate",
-    about: "factor by which one sweep reduces the slowest error of a straight chain of N rigid links, held at one end: jacobi cos(π/2N), gauss-seidel cos²(π/2N), sor ω − 1 with ω = 2/(1 + sin(π/2N)), chebyshev cos(π/2N)/(1 + sin(π/2N))",
-    parameters: &[ChainRateSettings::PARAMETERS],
-    tolerance: 1e-10,
-    evaluate: chain_rate,
-};
 
 crate::choices! {
     /// A kind of sweep.
@@ -135,8 +128,7 @@ impl Observer for Watch<'_> {
     }
 }
 
-fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = ChainRateSettings::read(settings)?;
+fn chain_rate(own: &ChainRateSettings) -> Result<Evaluation, BenchError> {
     let links = *own.links;
     within_reach(2e3 * Real::from(links))?;
     let (solver, sweeper) = match *own.solver {

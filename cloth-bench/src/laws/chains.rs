@@ -1,45 +1,32 @@
 //! Chains: how far a chain sags, how it hangs.
 
 use super::prelude::*;
-use super::within_reach;
 use cloth_core::method::position_based::Sweep;
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use nalgebra::DVector;
 
-crate::settings! {
-    struct SagSettings {
+law! {
+    SAG = "sag" within 1e-10,
+    "sag (m) of a hanging chain of rigid links at rest under XPBD: g h² Σ (mass below vertex i)/mᵢ over the vertices between support and tip for one sweep from the support, which is g h² N(N − 1)/2 for equal masses; else the fixed point of the sweeps as a matrix";
+    sag(SagSettings {
         links: u32 = 20 in AtLeast(1.0), "number of links N";
         substeps: u32 = 10 in AtLeast(1.0), "parts of the step of 1/60 s";
         iterations: u32 = 1 in AtLeast(1.0), "sweeps per substep";
         tip_mass: Real = 1 "kg" in Above(0.0), "mass of the last vertex; the others have 1 kg";
-    }
+    })
 }
 
-pub(super) const SAG: Law = Law {
-    name: "sag",
-    about: "sag (m) of a hanging chain of rigid links at rest under XPBD: g h² Σ (mass below vertex i)/mᵢ over the vertices between support and tip for one sweep from the support, which is g h² N(N − 1)/2 for equal masses; else the fixed point of the sweeps as a matrix",
-    parameters: &[SagSettings::PARAMETERS],
-    tolerance: 1e-10,
-    evaluate: sag,
-};
-
-crate::settings! {
-    struct HangingChainSettings {
+law! {
+    HANGING_CHAIN = "hanging-chain" within 1e-10,
+    "displacement (m) of the tip of a hanging elastic chain: n(n + 1)mg/(2k) + nMg/k";
+    hanging_chain(HangingChainSettings {
         links: u32 = 20 in AtLeast(1.0), "number of links N";
         stiffness: Real = 1e4 "N/m" in Above(0.0), "stiffness k of every link";
         mass: Real = 0.1 "kg" in Above(0.0), "mass m of every vertex";
         tip_mass: Real = 1 "kg", "further mass M at the tip";
-    }
+    })
 }
-
-pub(super) const HANGING_CHAIN: Law = Law {
-    name: "hanging-chain",
-    about: "displacement (m) of the tip of a hanging elastic chain: n(n + 1)mg/(2k) + nMg/k",
-    parameters: &[HangingChainSettings::PARAMETERS],
-    tolerance: 1e-10,
-    evaluate: hanging_chain,
-};
 
 pub(super) const GRAVITY: Real = 9.81;
 
@@ -62,8 +49,7 @@ pub(super) fn chain(
 /// Steps after which a chain that still moves is given up.
 const MOST_STEPS: u32 = 100_000;
 
-fn sag(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = SagSettings::read(settings)?;
+fn sag(own: &SagSettings) -> Result<Evaluation, BenchError> {
     let links = *own.links;
     let substeps = *own.substeps;
     let iterations = *own.iterations;
@@ -210,8 +196,7 @@ impl SweepMatrix {
     }
 }
 
-fn hanging_chain(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = HangingChainSettings::read(settings)?;
+fn hanging_chain(own: &HangingChainSettings) -> Result<Evaluation, BenchError> {
     let links = *own.links;
     within_reach(2e6 * Real::from(links))?;
     let links = links as usize;

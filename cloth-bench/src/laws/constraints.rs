@@ -1,41 +1,28 @@
 //! How stiff one constraint is, as simulated.
 
 use super::prelude::*;
-use super::within_reach;
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
-crate::settings! {
-    struct XpbdConstraintSettings {
+law! {
+    XPBD_CONSTRAINT = "xpbd-constraint" within 1e-10,
+    "stiffness (N/m) that one XPBD constraint shows in one step: k, whatever the iterations";
+    xpbd_constraint(XpbdConstraintSettings {
         iterations: u32 = 10 in AtLeast(1.0), "sweeps of the one step";
         stiffness: Real = 100 "N/m" in Above(0.0), "stiffness k of the spring";
         dt: Real = 0.01 "s" in Above(0.0), "step size";
-    }
+    })
 }
 
-pub(super) const XPBD_CONSTRAINT: Law = Law {
-    name: "xpbd-constraint",
-    about: "stiffness (N/m) that one XPBD constraint shows in one step: k, whatever the iterations",
-    parameters: &[XpbdConstraintSettings::PARAMETERS],
-    tolerance: 1e-10,
-    evaluate: xpbd_constraint,
-};
-
-crate::settings! {
-    struct PbdConstraintSettings {
+law! {
+    PBD_CONSTRAINT = "pbd-constraint" within 1e-10,
+    "stiffness (N/m) that one PBD constraint shows in one step: ((1 − s)⁻ⁿ − 1)/(Δt² w), w = 1 /kg";
+    pbd_constraint(PbdConstraintSettings {
         iterations: u32 = 10 in AtLeast(1.0), "sweeps of the one step";
         stiffness: Real = 0.5, "stiffness s of the projection, 0 to 1";
         dt: Real = 0.01 "s" in Above(0.0), "step size";
-    }
+    })
 }
-
-pub(super) const PBD_CONSTRAINT: Law = Law {
-    name: "pbd-constraint",
-    about: "stiffness (N/m) that one PBD constraint shows in one step: ((1 − s)⁻ⁿ − 1)/(Δt² w), w = 1 /kg",
-    parameters: &[PbdConstraintSettings::PARAMETERS],
-    tolerance: 1e-10,
-    evaluate: pbd_constraint,
-};
 
 /// A mass of 1 kg on a spring of stiffness `k` (N/m) and rest length 1 m to a held vertex, stretched by half.
 #[derive(Debug)]
@@ -79,8 +66,7 @@ impl Stretched {
     }
 }
 
-fn xpbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = XpbdConstraintSettings::read(settings)?;
+fn xpbd_constraint(own: &XpbdConstraintSettings) -> Result<Evaluation, BenchError> {
     let k = *own.stiffness;
     let stretched = Stretched::new(k)?;
     let iterations = *own.iterations;
@@ -105,8 +91,7 @@ pub(crate) fn fixed_projection(s: Real, iterations: u32, dt: Real) -> Real {
     ((1.0 - s).powf(-Real::from(iterations)) - 1.0) / (dt * dt)
 }
 
-fn pbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = PbdConstraintSettings::read(settings)?;
+fn pbd_constraint(own: &PbdConstraintSettings) -> Result<Evaluation, BenchError> {
     let s = *own.stiffness;
     if !(0.0..1.0).contains(&s) {
         return Err(BenchError::Usage(format!(

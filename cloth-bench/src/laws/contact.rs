@@ -2,7 +2,6 @@
 
 use super::point_mass::PointMass;
 use super::prelude::*;
-use super::within_reach;
 use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle};
 use cloth_core::element::{Convexity, Element, Energy};
 use cloth_core::math::Blocks;
@@ -10,56 +9,37 @@ use cloth_massspring::{ImplicitConfig, ImplicitEuler, StartGuess};
 
 const GRAVITY: Real = 9.81;
 
-crate::settings! {
-    struct InclineSettings {
+law! {
+    INCLINE = "incline" within 1e-12,
+    "way (m) that a block slides from rest down an incline: ½ g (sin α − μ cos α) t² if tan α > μ, else none";
+    incline(InclineSettings {
         angle_deg: Real = 30 "°" in Within(0.0, 90.0), "inclination of the plane";
         friction: Real = 0.3 in AtLeast(0.0), "coefficient of friction";
         steps: u32 = 120 in AtLeast(1.0), "number of steps of 1/60 s";
-    }
+    })
 }
 
-pub(super) const INCLINE: Law = Law {
-    name: "incline",
-    about: "way (m) that a block slides from rest down an incline: ½ g (sin α − μ cos α) t² if tan α > μ, else none",
-    parameters: &[InclineSettings::PARAMETERS],
-    tolerance: 1e-12,
-    evaluate: incline,
-};
-
-crate::settings! {
-    struct BounceSettings {
+law! {
+    BOUNCE = "bounce" within 1e-12,
+    "height (m) of a ball after n bounces, e²ⁿ h";
+    bounce(BounceSettings {
         restitution: Real = 0.8 in Within(0.0, 1.0), "coefficient of restitution";
         height: Real = 1 "m" in Above(0.0), "height of the fall";
         bounces: u32 = 3 in AtLeast(1.0), "number of bounces n";
-    }
+    })
 }
 
-pub(super) const BOUNCE: Law = Law {
-    name: "bounce",
-    about: "height (m) of a ball after n bounces, e²ⁿ h",
-    parameters: &[BounceSettings::PARAMETERS],
-    tolerance: 1e-12,
-    evaluate: bounce,
-};
-
-crate::settings! {
-    struct BarrierGapSettings {
+law! {
+    BARRIER_GAP = "barrier-gap" within 1e-9,
+    "gap d (m) between a plane and a mass that rests on its log barrier: κ b′(d) = −m g";
+    barrier_gap(BarrierGapSettings {
         mass: Real = 0.001 "kg" in Above(0.0), "mass";
         stiffness: Real = 100 "N/m" in Above(0.0), "stiffness κ of the barrier";
         range: Real = 0.01 "m" in Above(0.0), "distance at which the barrier begins";
-    }
+    })
 }
 
-pub(super) const BARRIER_GAP: Law = Law {
-    name: "barrier-gap",
-    about: "gap d (m) between a plane and a mass that rests on its log barrier: κ b′(d) = −m g",
-    parameters: &[BarrierGapSettings::PARAMETERS],
-    tolerance: 1e-9,
-    evaluate: barrier_gap,
-};
-
-fn incline(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = InclineSettings::read(settings)?;
+fn incline(own: &InclineSettings) -> Result<Evaluation, BenchError> {
     let degrees = *own.angle_deg;
     let friction = *own.friction;
     let law = ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
@@ -93,8 +73,7 @@ fn incline(settings: &Settings) -> Result<Evaluation, BenchError> {
     })
 }
 
-fn bounce(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = BounceSettings::read(settings)?;
+fn bounce(own: &BounceSettings) -> Result<Evaluation, BenchError> {
     let restitution = *own.restitution;
     let law = ImpactLaw::new(0.0, restitution).map_err(BenchError::usage)?;
     let height = *own.height;
@@ -129,8 +108,7 @@ fn bounce(settings: &Settings) -> Result<Evaluation, BenchError> {
     })
 }
 
-fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = BarrierGapSettings::read(settings)?;
+fn barrier_gap(own: &BarrierGapSettings) -> Result<Evaluation, BenchError> {
     let mass = *own.mass;
     let stiffness = *own.stiffness;
     let range = *own.range;
@@ -184,7 +162,6 @@ pub struct LogBarrier {
 
 impl LogBarrier {
     /// E′ (N) and E″ (N/m) at the height `z` (m); where it is passed, those just before it.
-    #[must_use]
     pub fn derivatives(&self, z: Real) -> [Real; 2] {
         if z >= self.range {
             return [0.0; 2];

@@ -21,23 +21,17 @@ use super::strip::{Equilibrium, Shape, Strip};
 use cloth_massspring::Accept;
 use std::f64::consts::FRAC_PI_2;
 
-crate::settings! {
-    struct ElasticaSettings {
+law! {
+    ELASTICA = "elastica" within 0.01,
+    "drop over span H/W of a clamped strip under its own weight (dimensionless): θ″ + Γ(1 − s) cos θ = 0, for any bending model";
+    elastica(ElasticaSettings {
         gamma: Real = 10 in Above(0.0),
             "weight over rigidity, ρ_A g L³/D, up to 1e5; above 1000 it takes more than 128 rows";
         resolution: u32 = 128 in AtLeast(4.0), "rows of vertices along the strip";
         across: u32 = 5 in AtLeast(2.0), "vertices across the strip";
         elongation: Real = 3 in Above(0.0), "height of the triangles along the strip over their base across it";
-    }
+    } and ModelSetting)
 }
-
-pub(super) const ELASTICA: Law = Law {
-    name: "elastica",
-    about: "drop over span H/W of a clamped strip under its own weight (dimensionless): θ″ + Γ(1 − s) cos θ = 0, for any bending model",
-    parameters: &[ElasticaSettings::PARAMETERS, ModelSetting::PARAMETERS],
-    tolerance: 0.01,
-    evaluate: elastica,
-};
 
 /// Span W and drop H of the heavy elastica, over its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +50,6 @@ const STEPS: usize = 4000;
 /// From the tip, with `u = 1 − s` and `δ = π/2 − θ`, it is `δ″ = Γ u sin δ`, `δ′(0) = 0`, and δ only grows. The unknown
 /// is `ln δ(0)`: for a large Γ the strip hangs almost straight down, δ(0) falls like `exp(−⅔ √Γ)`, and an angle near
 /// π/2 would not keep a digit of it.
-#[must_use]
 pub fn exact(gamma: Real) -> Profile {
     // δ(1) grows with δ(0), and at least as fast as it would without gravity: δ(0) ≤ π/2.
     let [mut low, mut high] = [-gamma.sqrt() - 10.0, FRAC_PI_2.ln()];
@@ -139,16 +132,15 @@ fn shape(own: &ElasticaSettings) -> Result<Shape, BenchError> {
     Ok(shape)
 }
 
-fn elastica(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = ElasticaSettings::read(settings)?;
+fn elastica(own: &ElasticaSettings, model: &ModelSetting) -> Result<Evaluation, BenchError> {
     let gamma = *own.gamma;
     if gamma > MOST_GAMMA {
         return Err(BenchError::Usage(format!(
             "gamma is {gamma}, but the strip shows no more than a fold above {MOST_GAMMA:e}"
         )));
     }
-    let model = *ModelSetting::read(settings)?.model;
-    let shape = shape(&own)?;
+    let model = *model.model;
+    let shape = shape(own)?;
     let Profile { span, drop } = exact(gamma);
     let sagged = sag(gamma, model, shape)?;
     let measured = sagged.profile;

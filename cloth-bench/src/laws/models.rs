@@ -45,6 +45,12 @@ crate::settings! {
 }
 
 impl Model {
+    /// The model that results are shown under this name of.
+    pub(crate) fn named(name: &str) -> Self {
+        let found = MODELS.iter().find(|(known, _)| *known == name);
+        found.expect("a name of `MODELS`").1
+    }
+
     /// Energy of a small fold over that of the quadratic model with the same coefficient.
     pub(crate) fn factor(self) -> Real {
         match self {

@@ -1,7 +1,6 @@
 //! Time integration: one oscillator, and free fall.
 
 use super::prelude::*;
-use super::within_reach;
 use crate::method::Method;
 use crate::scene;
 use cloth_core::energy::Attachment;
@@ -13,38 +12,26 @@ use cloth_pd::{PdConfig, PdSolver};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use nalgebra::Complex;
 
-crate::settings! {
-    struct OscillatorSettings {
+law! {
+    OSCILLATOR = "oscillator" within 1e-11,
+    "amplification per step of x″ = −ω²x (dimensionless); phase per step (rad) as a detail";
+    oscillator(OscillatorSettings {
         scheme: Scheme = "implicit-euler",
             "explicit-euler, symplectic-euler, implicit-euler, linear-implicit, implicit-midpoint, bdf2; xpbd and pd, \
              which are implicit Euler here";
         z: Real = 0.5 in Above(0.0), "step size times angular frequency, z = Δt ω";
-    }
+    })
 }
 
-pub(super) const OSCILLATOR: Law = Law {
-    name: "oscillator",
-    about: "amplification per step of x″ = −ω²x (dimensionless); phase per step (rad) as a detail",
-    parameters: &[OscillatorSettings::PARAMETERS],
-    tolerance: 1e-11,
-    evaluate: oscillator,
-};
-
-crate::settings! {
-    struct FreeFallSettings {
+law! {
+    FREE_FALL = "free-fall" within 1e-12,
+    "fall (m) of a free sheet after n steps of 1/60 s, without any change of shape";
+    free_fall(FreeFallSettings {
         method: String = "xpbd", "any method";
         n: u32 = 17 in AtLeast(2.0), "vertices a side";
         steps: u32 = 60 in AtLeast(1.0), "number of steps";
-    }
+    })
 }
-
-pub(super) const FREE_FALL: Law = Law {
-    name: "free-fall",
-    about: "fall (m) of a free sheet after n steps of 1/60 s, without any change of shape",
-    parameters: &[FreeFallSettings::PARAMETERS],
-    tolerance: 1e-12,
-    evaluate: free_fall,
-};
 
 crate::choices! {
     /// What takes the step.
@@ -126,8 +113,7 @@ impl Scheme {
     }
 }
 
-fn oscillator(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = OscillatorSettings::read(settings)?;
+fn oscillator(own: &OscillatorSettings) -> Result<Evaluation, BenchError> {
     let scheme = *own.scheme;
     let z = *own.z;
     let (amplification, phase) = match scheme {
@@ -201,8 +187,7 @@ fn two_step_map(z: Real) -> Result<(Real, Real), BenchError> {
     Ok((largest.norm(), -largest.arg()))
 }
 
-fn free_fall(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = FreeFallSettings::read(settings)?;
+fn free_fall(own: &FreeFallSettings) -> Result<Evaluation, BenchError> {
     let method = Method::find(&own.method)?;
     let steps = *own.steps;
     let side = *own.n;

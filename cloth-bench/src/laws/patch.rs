@@ -7,23 +7,17 @@ use cloth_core::mesh::{TriMesh, generate};
 use cloth_core::method::family::Energies;
 use cloth_core::topology::EdgeTable;
 
-crate::settings! {
-    struct PatchSettings {
+law! {
+    PATCH = "patch" within 1e-10,
+    "pull per width over the modulus Y (dimensionless) of a sheet stretched s times: stvk s(s² − 1)/2, or over (1 − ν) equibiaxial; arap s − 1; springs by direction";
+    patch(PatchSettings {
         element: Sheet = "stvk", "stvk, arap (both on an irregular mesh) or springs (on equilateral triangles)";
         load: Load = "uniaxial", "uniaxial (free to become narrower) or equibiaxial";
         direction_deg: Real = 20 "degrees", "direction of the pull, from the x axis";
         stretch: Real = 1.2 in Within(0.1, 10.0), "present over rest length along the pull";
         poisson: Real = 0.3 in Between(-1.0, 1.0), "Poisson's ratio of stvk";
-    }
+    })
 }
-
-pub(super) const PATCH: Law = Law {
-    name: "patch",
-    about: "pull per width over the modulus Y (dimensionless) of a sheet stretched s times: stvk s(s² − 1)/2, or over (1 − ν) equibiaxial; arap s − 1; springs by direction",
-    parameters: &[PatchSettings::PARAMETERS],
-    tolerance: 1e-10,
-    evaluate: patch,
-};
 
 crate::choices! {
     /// What the sheet is made of.
@@ -131,8 +125,7 @@ fn relaxed(mut across: impl FnMut(Real) -> Result<Real, BenchError>) -> Result<R
     Ok(0.5 * (low + high))
 }
 
-fn patch(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = PatchSettings::read(settings)?;
+fn patch(own: &PatchSettings) -> Result<Evaluation, BenchError> {
     let (sheet, load) = (*own.element, *own.load);
     let angle = own.direction_deg.to_radians();
     let s = *own.stretch;

@@ -1,6 +1,6 @@
 //! What nearly every law uses.
 
-pub(super) use super::{Evaluation, Law};
+pub(super) use super::{Evaluation, Law, within_reach};
 pub(super) use crate::error::BenchError;
 pub(super) use crate::settings::{Range::*, Settings, Table};
 pub(super) use cloth_core::cloth::Elements;

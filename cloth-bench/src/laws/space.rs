@@ -1,7 +1,6 @@
 //! Degrees of freedom, and two methods with one minimum.
 
 use super::prelude::*;
-use super::within_reach;
 use crate::mesh_spec;
 use crate::scene;
 use crate::yardstick;
@@ -33,20 +32,14 @@ pub(super) const NULL_SPACE: Law = Law {
     evaluate: null_space,
 };
 
-crate::settings! {
-    struct SameMinimumSettings {
+law! {
+    SAME_MINIMUM = "same-minimum" within 1e-9,
+    "distance (m) between the converged step of PD and that of Newton, on the hanging sheet: 0";
+    same_minimum(SameMinimumSettings {
         n: u32 = 9 in AtLeast(2.0), "vertices a side";
         stiffness: Real = 100 "N/m" in Above(0.0), "stiffness of the springs";
-    }
+    })
 }
-
-pub(super) const SAME_MINIMUM: Law = Law {
-    name: "same-minimum",
-    about: "distance (m) between the converged step of PD and that of Newton, on the hanging sheet: 0",
-    parameters: &[SameMinimumSettings::PARAMETERS],
-    tolerance: 1e-9,
-    evaluate: same_minimum,
-};
 
 fn counted(settings: &Settings) -> Result<(TriMesh, EdgeTable, Topology), BenchError> {
     let mesh = mesh_spec::load(&MeshSetting::read(settings)?.mesh)?;
@@ -86,8 +79,7 @@ fn null_space(settings: &Settings) -> Result<Evaluation, BenchError> {
         ))
 }
 
-fn same_minimum(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = SameMinimumSettings::read(settings)?;
+fn same_minimum(own: &SameMinimumSettings) -> Result<Evaluation, BenchError> {
     let side = *own.n;
     within_reach(1e3 * Real::from(side).powi(4))?;
     let settings = Settings::default()

@@ -1,44 +1,31 @@
 //! Swings: the pendulum at any angle, and the small swings of a chain.
 
 use super::prelude::*;
-use super::within_reach;
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitMidpoint};
 use std::f64::consts::PI;
 
 const GRAVITY: Real = 9.81;
 
-crate::settings! {
-    struct PendulumSettings {
+law! {
+    PENDULUM = "pendulum" within 2e-6,
+    "period of a pendulum of 1 m over that of small swings (dimensionless): (2/π) K(sin θ/2); extrapolated from two step sizes";
+    pendulum(PendulumSettings {
         angle_deg: Real = 90 "degrees" in Between(0.0, 180.0), "angle from which it is let go";
         method: Scheme = "implicit-midpoint", "implicit-midpoint or bdf2, which are of second order";
         steps: u32 = 400 in AtLeast(8.0), "steps per period of small swings; a second run takes twice as many";
-    }
+    })
 }
 
-pub(super) const PENDULUM: Law = Law {
-    name: "pendulum",
-    about: "period of a pendulum of 1 m over that of small swings (dimensionless): (2/π) K(sin θ/2); extrapolated from two step sizes",
-    parameters: &[PendulumSettings::PARAMETERS],
-    tolerance: 2e-6,
-    evaluate: pendulum,
-};
-
-crate::settings! {
-    struct ChainSwingSettings {
+law! {
+    CHAIN_SWING = "chain-swing" within 1e-6,
+    "angular frequency (rad/s) of a small swing of N equal masses on N links of 0.2 m: √(g x/l), x a zero of the Laguerre polynomial L_N; extrapolated from two step sizes";
+    chain_swing(ChainSwingSettings {
         links: u32 = 5 in AtLeast(1.0), "number of links N";
         mode: u32 = 1 in AtLeast(1.0), "which swing, 1 for the slowest, up to N";
         method: Scheme = "implicit-midpoint", "implicit-midpoint or bdf2, which are of second order";
         steps: u32 = 400 in AtLeast(8.0), "steps per period of small swings; a second run takes twice as many";
-    }
+    })
 }
-
-pub(super) const CHAIN_SWING: Law = Law {
-    name: "chain-swing",
-    about: "angular frequency (rad/s) of a small swing of N equal masses on N links of 0.2 m: √(g x/l), x a zero of the Laguerre polynomial L_N; extrapolated from two step sizes",
-    parameters: &[ChainSwingSettings::PARAMETERS],
-    tolerance: 1e-6,
-    evaluate: chain_swing,
-};
 
 crate::choices! {
     /// What takes the step.
@@ -123,8 +110,7 @@ fn agm(mut a: Real, mut b: Real) -> Real {
     a
 }
 
-fn pendulum(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = PendulumSettings::read(settings)?;
+fn pendulum(own: &PendulumSettings) -> Result<Evaluation, BenchError> {
     let angle = *own.angle_deg;
     let scheme = *own.method;
     let steps = *own.steps;
@@ -146,8 +132,7 @@ fn pendulum(settings: &Settings) -> Result<Evaluation, BenchError> {
         .detail("longer_step_alone", 4.0 * coarse / small))
 }
 
-fn chain_swing(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = ChainSwingSettings::read(settings)?;
+fn chain_swing(own: &ChainSwingSettings) -> Result<Evaluation, BenchError> {
     let links = *own.links;
     let steps = *own.steps;
     let (n, of_steps) = (Real::from(links), Real::from(steps));

@@ -2,50 +2,37 @@
 
 use super::chains::{GRAVITY, chain};
 use super::prelude::*;
-use super::within_reach;
 use crate::scene;
 use crate::yardstick::StepProblem;
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
-crate::settings! {
-    struct XpbdDampingSettings {
+law! {
+    XPBD_DAMPING = "xpbd-damping" within 1e-12,
+    "stretch (m) of one damped XPBD constraint, w = 1 /kg, stretched by 0.5 m, after one step: (C̃ + w h β k C⁰)/(1 + w k h (h + β)), whatever the iterations";
+    xpbd_damping(XpbdDampingSettings {
         iterations: u32 = 3 in AtLeast(1.0), "sweeps of the one step";
         stiffness: Real = 100 "N/m" in Above(0.0), "stiffness k of the spring";
         damping: Real = 0.02 "s", "stiffness-proportional damping β";
         dt: Real = 0.01 "s" in Above(0.0), "step size";
         speed: Real = -3 "m/s", "rate of the stretch at the start";
-    }
+    })
 }
-
-pub(super) const XPBD_DAMPING: Law = Law {
-    name: "xpbd-damping",
-    about: "stretch (m) of one damped XPBD constraint, w = 1 /kg, stretched by 0.5 m, after one step: (C̃ + w h β k C⁰)/(1 + w k h (h + β)), whatever the iterations",
-    parameters: &[XpbdDampingSettings::PARAMETERS],
-    tolerance: 1e-12,
-    evaluate: xpbd_damping,
-};
 
 /// Steps until the chain is at rest.
 const STEPS: u32 = 400;
 
-crate::settings! {
-    struct SupportForceSettings {
+law! {
+    SUPPORT_FORCE = "support-force" within 1e-10,
+    "force (N) on the support of a hanging chain at rest, read out of XPBD's multipliers: its weight";
+    support_force(SupportForceSettings {
         links: u32 = 8 in AtLeast(1.0), "number of links N";
         mass: Real = 0.05 "kg" in Above(0.0), "mass of every vertex";
         tip_mass: Real = 0.05 "kg" in Above(0.0), "mass of the last vertex";
         stiffness: Real = 2000 "N/m" in Above(0.0), "stiffness k of every link";
         iterations: u32 = 2000 in AtLeast(1.0), "sweeps per step of 0.1 s";
-    }
+    })
 }
-
-pub(super) const SUPPORT_FORCE: Law = Law {
-    name: "support-force",
-    about: "force (N) on the support of a hanging chain at rest, read out of XPBD's multipliers: its weight",
-    parameters: &[SupportForceSettings::PARAMETERS],
-    tolerance: 1e-10,
-    evaluate: support_force,
-};
 
 crate::settings! {
     /// Of a swinging chain.
@@ -145,8 +132,7 @@ fn direct_step(settings: &Settings) -> Result<Evaluation, BenchError> {
 /// Stretch at the start (m).
 const STRETCH: Real = 0.5;
 
-fn xpbd_damping(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = XpbdDampingSettings::read(settings)?;
+fn xpbd_damping(own: &XpbdDampingSettings) -> Result<Evaluation, BenchError> {
     let k = *own.stiffness;
     let beta = *own.damping;
     let h = *own.dt;
@@ -186,8 +172,7 @@ fn xpbd_damping(settings: &Settings) -> Result<Evaluation, BenchError> {
     Ok(Evaluation::new(expected, measured).rounding(rounding))
 }
 
-fn support_force(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let own = SupportForceSettings::read(settings)?;
+fn support_force(own: &SupportForceSettings) -> Result<Evaluation, BenchError> {
     let links = *own.links;
     let iterations = *own.iterations;
     within_reach(30.0 * Real::from(STEPS) * Real::from(links) * Real::from(iterations))?;

@@ -20,7 +20,6 @@ pub(crate) struct Qualities {
 
 impl Method {
     /// Colour and marker in every plot.
-    #[must_use]
     pub fn look(&self) -> (Rgb, Marker) {
         match self.kind {
             Kind::Explicit => ([0x4a, 0xad, 0xeb], Marker::Plus),
@@ -70,7 +69,6 @@ impl Method {
 
     /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against
     /// the minimiser of `G`. The second-order rules take another step.
-    #[must_use]
     pub fn aims_at_implicit_euler(&self) -> bool {
         match self.kind {
             Kind::Midpoint | Kind::Bdf2 => false,
@@ -80,7 +78,6 @@ impl Method {
     }
 
     /// Whether no step is stable, however short: forward Euler, whose oscillators grow by √(1 + z²) a step.
-    #[must_use]
     pub fn is_never_stable(&self) -> bool {
         matches!(self.kind, Kind::Explicit)
     }
@@ -91,7 +88,6 @@ impl Method {
     }
 
     /// How far free fall leads in `n` equal (sub)steps of size h, in units of `½ g h²`.
-    #[must_use]
     pub fn free_fall(&self, n: u32) -> Real {
         let count = Real::from(n);
         match self.kind {

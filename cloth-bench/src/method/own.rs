@@ -46,7 +46,6 @@ pub struct OwnMethod {
 impl OwnMethod {
     /// A method of this name that is what `about` says, without settings. What else is known of it is changed by
     /// `..`, as in the example of [`main_with`](crate::main_with).
-    #[must_use]
     pub const fn new(name: &'static str, about: &'static str, build: Build) -> Self {
         Self {
             name,
@@ -64,7 +63,6 @@ impl OwnMethod {
 
 impl Method {
     /// A method of your own.
-    #[must_use]
     pub const fn own(own: OwnMethod) -> Self {
         Self {
             name: own.name,
@@ -106,7 +104,6 @@ pub fn all() -> impl Iterator<Item = &'static Method> + Clone {
 }
 
 /// These names, and those of the methods of your own.
-#[must_use]
 pub fn with_own(names: &[&'static str]) -> Vec<&'static str> {
     let own = own().iter().map(|method| method.name);
     names.iter().copied().chain(own).collect()

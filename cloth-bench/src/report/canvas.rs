@@ -1,121 +1,86 @@
-//! A thin layer over plotters: pixels with quarter precision, texts with anchors, markers.
-//!
-//! plotters places shapes on whole pixels, which makes smooth curves wobble. We draw on a canvas
-//! four times as large and let the `viewBox` scale it down.
-
-use plotters::coord::Shift;
-use plotters::element::DashedPathElement;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+//! The shapes of a plot as SVG: lines, markers, texts with anchors.
 
 use super::html::escape;
 use super::palette::{Look, Marker, Rgb};
+use std::fmt::Write;
 
 /// Width of every figure (px): two stand beside each other on a page, and a telephone shows one without shrinking its
 /// letters to nothing.
 pub const WIDTH: i32 = 480;
 /// Distance of two lines of a legend (px).
 pub(super) const LINE: i32 = 18;
-/// Canvas units in a pixel.
-const UNIT: i32 = 4;
 const FONT: &str = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif";
+const WHITE: Rgb = [255; 3];
 
-/// What drawing returns.
-pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
+/// A place on the canvas (px), from the left and from the top.
+pub(super) type Point = (f64, f64);
 
-/// Where a text stands relative to its point.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Anchor {
-    Left,
-    Middle,
-    Right,
+/// An SVG element that is being written.
+pub(super) struct Canvas(String);
+
+fn hex([r, g, b]: Rgb) -> String {
+    format!("#{r:02X}{g:02X}{b:02X}")
 }
 
-pub(super) struct Canvas<'a> {
-    area: DrawingArea<SVGBackend<'a>, Shift>,
+/// To hundredths of a pixel.
+fn listed(path: &[Point]) -> String {
+    let near = |x: f64| (100.0 * x).round() / 100.0;
+    let points = path
+        .iter()
+        .map(|&(x, y)| format!("{},{} ", near(x), near(y)));
+    points.collect()
 }
 
-fn solid([r, g, b]: Rgb) -> ShapeStyle {
-    RGBColor(r, g, b).filled()
-}
-
-fn stroke([r, g, b]: Rgb, width: f64) -> ShapeStyle {
-    RGBColor(r, g, b).stroke_width((width * f64::from(UNIT)).round() as u32)
-}
-
-impl<'a> Canvas<'a> {
-    pub(super) fn new(area: DrawingArea<SVGBackend<'a>, Shift>) -> Self {
-        Self { area }
+impl Canvas {
+    /// A white canvas of a height (px), scalable and named for screen readers, with round line ends.
+    pub(super) fn new(height: i32, title: &str) -> Self {
+        Self(format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
+             viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"{}\" stroke-linejoin=\"round\" \
+             stroke-linecap=\"round\" font-family=\"{}\">\n\
+             <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n",
+            escape(title),
+            escape(FONT),
+        ))
     }
 
-    pub(super) fn area(&self) -> &DrawingArea<SVGBackend<'a>, Shift> {
-        &self.area
+    pub(super) fn finish(self) -> String {
+        self.0 + "</svg>\n"
     }
 
-    /// Size in canvas units of a figure `height` px high.
-    pub(super) fn size(height: i32) -> (u32, u32) {
-        ((WIDTH * UNIT) as u32, (height.max(1) * UNIT) as u32)
+    /// A path, `width` (px) wide.
+    pub(super) fn stroke(&mut self, path: &[Point], colour: Rgb, width: f64) {
+        self.polyline(path, colour, width, "");
     }
 
-    pub(super) fn units(pixels: i32) -> i32 {
-        pixels * UNIT
-    }
-
-    pub(super) fn pixels(units: i32) -> i32 {
-        (f64::from(units) / f64::from(UNIT)).round() as i32
-    }
-
-    /// A filled rectangle (px).
-    pub(super) fn rectangle(&self, from: (i32, i32), to: (i32, i32), colour: Rgb) -> Drawn {
-        let corner = |(x, y)| (Self::units(x), Self::units(y));
-        Ok(self
-            .area
-            .draw(&Rectangle::new([corner(from), corner(to)], solid(colour)))?)
-    }
-
-    /// A path (units), `width` (px) wide.
-    pub(super) fn stroke(&self, path: &[(i32, i32)], colour: Rgb, width: f64) -> Drawn {
-        if path.len() < 2 {
-            return Ok(());
-        }
-        Ok(self
-            .area
-            .draw(&PathElement::new(path.to_vec(), stroke(colour, width)))?)
-    }
-
-    /// A dashed path (units), `width` (px) wide, in one of four patterns.
-    pub(super) fn dashes(
-        &self,
-        path: &[(i32, i32)],
-        colour: Rgb,
-        width: f64,
-        pattern: usize,
-    ) -> Drawn {
+    /// A dashed path, `width` (px) wide, in one of four patterns.
+    pub(super) fn dashes(&mut self, path: &[Point], colour: Rgb, width: f64, pattern: usize) {
         let (dash, gap) = [(7, 4), (2, 4), (14, 5), (4, 9)][pattern % 4];
-        let (dash, gap) = (Self::units(dash), Self::units(gap));
-        let style = stroke(colour, width);
-        Ok(self.area.draw(&DashedPathElement::new(
-            path.iter().copied(),
-            dash,
-            gap,
-            style,
-        ))?)
+        let dashes = format!(" stroke-dasharray=\"{dash} {gap}\"");
+        self.polyline(path, colour, width, &dashes);
     }
 
-    /// A marker around a point (units), `size` times the usual one. A white rim sets it off from lines below.
-    pub(super) fn marker(&self, at: (i32, i32), look: Look, size: f64) -> Drawn {
-        let radius = 4.4 * size * f64::from(UNIT);
-        let corners = |count: usize, turn: f64, radii: [f64; 2]| -> Vec<(i32, i32)> {
-            (0..count)
-                .map(|i| {
-                    let angle = std::f64::consts::TAU * (i as f64 / count as f64 + turn);
-                    let r = radius * radii[i % 2];
-                    (
-                        at.0 + (r * angle.cos()).round() as i32,
-                        at.1 + (r * angle.sin()).round() as i32,
-                    )
-                })
-                .collect()
+    fn polyline(&mut self, path: &[Point], colour: Rgb, width: f64, dashes: &str) {
+        if path.len() > 1 {
+            let (colour, points) = (hex(colour), listed(path));
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                self.0,
+                "<polyline fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"{dashes} points=\"{points}\"/>"
+            );
+        }
+    }
+
+    /// A marker around a point, `size` times the usual one. A white rim sets it off from lines below.
+    pub(super) fn marker(&mut self, (x, y): Point, look: Look, size: f64) {
+        let radius = 4.4 * size;
+        let corners = |count: usize, turn: f64, radii: [f64; 2]| -> Vec<Point> {
+            let corner = |i| {
+                let angle = std::f64::consts::TAU * (i as f64 / count as f64 + turn);
+                let r = radius * radii[i % 2];
+                (x + r * angle.cos(), y + r * angle.sin())
+            };
+            (0..count).map(corner).collect()
         };
         let outline = match look.marker {
             Marker::Circle => corners(20, 0.0, [1.0; 2]),
@@ -127,125 +92,60 @@ impl<'a> Canvas<'a> {
             Marker::Cross => return self.strokes(&corners(4, 0.125, [1.2; 2]), look.colour),
             Marker::Plus => return self.strokes(&corners(4, 0.0, [1.3; 2]), look.colour),
         };
-        let closed: Vec<_> = outline.iter().chain(&outline[..2]).copied().collect();
-        let (fill, rim) = if look.hollow {
-            ([255; 3], look.colour)
-        } else {
-            (look.colour, [255; 3])
+        let (fill, rim, width) = match look.hollow {
+            true => (WHITE, look.colour, "1.75"),
+            // The rim below what is filled.
+            false => (look.colour, WHITE, "2\" paint-order=\"stroke"),
         };
-        if !look.hollow {
-            self.stroke(&closed, rim, 2.0)?;
-        }
-        self.area.draw(&Polygon::new(outline, solid(fill)))?;
-        if look.hollow {
-            self.stroke(&closed, rim, 1.75)
-        } else {
-            Ok(())
+        let (fill, rim, points) = (hex(fill), hex(rim), listed(&outline));
+        let _ = writeln!(
+            self.0,
+            "<polygon fill=\"{fill}\" stroke=\"{rim}\" stroke-width=\"{width}\" points=\"{points}\"/>"
+        );
+    }
+
+    /// The two diagonals of four corners.
+    fn strokes(&mut self, corners: &[Point], colour: Rgb) {
+        for (colour, width) in [(WHITE, 4.5), (colour, 2.25)] {
+            self.stroke(&[corners[0], corners[2]], colour, width);
+            self.stroke(&[corners[1], corners[3]], colour, width);
         }
     }
 
-    /// The two diagonals of four corners (units).
-    fn strokes(&self, corners: &[(i32, i32)], colour: Rgb) -> Drawn {
-        for (colour, width) in [([255; 3], 4.5), (colour, 2.25)] {
-            self.stroke(&[corners[0], corners[2]], colour, width)?;
-            self.stroke(&[corners[1], corners[3]], colour, width)?;
-        }
-        Ok(())
-    }
-
-    /// A line of text, centred vertically on `at` (px).
-    pub(super) fn text(
-        &self,
-        text: &str,
-        at: (i32, i32),
-        size: i32,
-        ink: Rgb,
-        anchor: Anchor,
-    ) -> Drawn {
-        self.write(text, at, size, ink, anchor, FontStyle::Normal)
+    /// A line of text, centred vertically on `at` (px), which is its `start`, `middle` or `end`.
+    pub(super) fn text(&mut self, text: &str, at: (i32, i32), size: i32, ink: Rgb, anchor: &str) {
+        self.write(text, at, size, ink, &format!("text-anchor=\"{anchor}\""));
     }
 
     /// A bold line of text, beginning at `at` (px).
-    pub(super) fn bold(&self, text: &str, at: (i32, i32), size: i32, ink: Rgb) -> Drawn {
-        self.write(text, at, size, ink, Anchor::Left, FontStyle::Bold)
+    pub(super) fn bold(&mut self, text: &str, at: (i32, i32), size: i32, ink: Rgb) {
+        self.write(text, at, size, ink, "font-weight=\"bold\"");
     }
 
-    fn write(
-        &self,
-        text: &str,
-        at: (i32, i32),
-        size: i32,
-        [r, g, b]: Rgb,
-        anchor: Anchor,
-        weight: FontStyle,
-    ) -> Drawn {
-        let horizontal = match anchor {
-            Anchor::Left => HPos::Left,
-            Anchor::Middle => HPos::Center,
-            Anchor::Right => HPos::Right,
-        };
-        let ink = RGBColor(r, g, b);
-        // plotters divides font sizes by 1.24.
-        let font = FontDesc::new(
-            FontFamily::Name(FONT),
-            f64::from(size * UNIT) * 1.24,
-            weight,
+    fn write(&mut self, text: &str, (x, y): (i32, i32), size: i32, ink: Rgb, look: &str) {
+        let (ink, text) = (hex(ink), escape(text));
+        let _ = writeln!(
+            self.0,
+            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" font-size=\"{size}\" fill=\"{ink}\" {look}>{text}</text>"
         );
-        let style = TextStyle::from(font)
-            .color(&ink)
-            .pos(Pos::new(horizontal, VPos::Center));
-        let at = (Self::units(at.0), Self::units(at.1));
-        Ok(self.area.draw(&Text::new(printable(text), at, style))?)
     }
-
-    /// The `<svg>` element that plotters wrote, with our own opening tag: scalable, named for
-    /// screen readers, round line ends.
-    pub(super) fn finish(svg: &str, height: i32, title: &str) -> String {
-        let body = svg.split_once('>').map_or("", |(_, body)| body);
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
-             viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" stroke-linejoin=\"round\" \
-             stroke-linecap=\"round\">{body}",
-            WIDTH * UNIT,
-            height * UNIT,
-            escape(title),
-        )
-    }
-}
-
-/// Without control characters, which XML forbids; plotters escapes the rest.
-fn printable(text: &str) -> String {
-    text.chars()
-        .map(|letter| {
-            if letter.is_control() {
-                '\u{fffd}'
-            } else {
-                letter
-            }
-        })
-        .collect()
 }
 
 /// About how wide (px) `text` is in a sans-serif font of `size` (px), rather too wide than too
 /// narrow: fonts differ.
-#[must_use]
 pub fn text_width(text: &str, size: i32) -> i32 {
-    let em: f64 = text
-        .chars()
-        .map(|letter| match letter {
-            'i' | 'l' | 'j' | 't' | 'f' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' | ' ' | '('
-            | ')' => 0.38,
-            'm' | 'w' | 'M' | 'W' | '@' | '%' | '→' => 0.95,
-            'A'..='Z' | '0'..='9' | '=' | '+' | '<' | '>' | '−' => 0.66,
-            _ => 0.61,
-        })
-        .sum();
-    (em * f64::from(size)).ceil() as i32
+    let em = |letter| match letter {
+        'i' | 'l' | 'j' | 't' | 'f' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' | ' ' | '('
+        | ')' => 0.38,
+        'm' | 'w' | 'M' | 'W' | '@' | '%' | '→' => 0.95,
+        'A'..='Z' | '0'..='9' | '=' | '+' | '<' | '>' | '−' => 0.66,
+        _ => 0.61,
+    };
+    (text.chars().map(em).sum::<f64>() * f64::from(size)).ceil() as i32
 }
 
 /// `text` in lines at most about `width` px wide, broken at blanks, and inside words only where a
 /// single word is longer.
-#[must_use]
 pub fn wrap(text: &str, size: i32, width: i32) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();

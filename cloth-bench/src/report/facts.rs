@@ -9,7 +9,6 @@ use std::time::{SystemTime, UNIX_EPOCH};
 ///
 /// Commit and compiler are asked from `git` and `rustc` when this is called. They are those of
 /// the working copy that the program was built in, if it still exists, else `unknown`.
-#[must_use]
 pub fn collect() -> Vec<(String, String)> {
     let unknown = || "unknown".to_owned();
     let profile = if cfg!(debug_assertions) {
@@ -43,7 +42,6 @@ pub fn collect() -> Vec<(String, String)> {
 }
 
 /// The short hash of the checked-out commit, with `+dirty` if tracked files differ from it.
-#[must_use]
 pub fn commit() -> Option<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let git =
@@ -82,7 +80,6 @@ fn processor() -> Option<String> {
 }
 
 /// The model in the text of `/proc/cpuinfo`.
-#[must_use]
 pub fn model(cpuinfo: &str) -> Option<String> {
     let names = ["model name", "Processor", "Model", "cpu model"];
     let value = |name| {
@@ -105,7 +102,6 @@ fn seconds_now() -> u64 {
 }
 
 /// `seconds` after the start of 1970 as `2026-02-28 13:05`.
-#[must_use]
 pub fn date(seconds: u64) -> String {
     // Count years from 1 March 0000: the leap day is then the last day of the year, and eras of
     // 400 years all have 146 097 days (Hinnant, "chrono-compatible low-level date algorithms").

@@ -80,7 +80,6 @@ const LONG_TABLE: usize = 15;
 
 impl Report {
     /// The page as the text of one HTML file.
-    #[must_use]
     pub fn to_html(&self) -> String {
         let title = escape(&self.title);
         let facts: String = self
@@ -248,7 +247,6 @@ fn scrolled(table: &Table) -> String {
 
 /// `text` with everything replaced that HTML or XML would read as markup, in content and in
 /// quoted attributes. Control characters, which XML forbids, become `�`.
-#[must_use]
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -274,7 +272,6 @@ fn anchor(id: &str) -> String {
 }
 
 /// RFC 4648, with padding.
-#[must_use]
 pub fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);

@@ -1,9 +1,6 @@
 //! Where everything in a plot stands: title, axes, data, legend in two columns below the data, note below that.
 
-use plotters::coord::types::RangedCoordf64;
-use plotters::prelude::*;
-
-use super::canvas::{Anchor, Canvas, Drawn, LINE, WIDTH, text_width, wrap};
+use super::canvas::{Canvas, LINE, Point, WIDTH, text_width, wrap};
 use super::palette::{GRID, INK, Look, Marker, SOFT_INK, mix};
 use super::plot::{Plot, Series, Style};
 use super::scale::{Ticks, ticks};
@@ -84,10 +81,9 @@ impl<'a> Layout<'a> {
         };
         let y_ticks = ticks(plot.y.scale, y_range, 8);
         let left = 26 + widest(&mut y_ticks.labelled.iter().map(|(_, text)| text), 13).max(24);
-        let legend: Vec<_> = curves
-            .iter()
-            .map(|c| wrap(&c.series.label, 13, COLUMN - SAMPLE - 20))
-            .collect();
+        let labels = curves.iter().map(|c| &c.series.label);
+        let legend = labels.map(|label| wrap(label, 13, COLUMN - SAMPLE - 20));
+        let legend: Vec<_> = legend.collect();
         let right = WIDTH - 24;
         let x_ticks = ticks(plot.x.scale, x_range, 5);
         // Bold letters are wider.
@@ -98,11 +94,11 @@ impl<'a> Layout<'a> {
         ];
         let covers = covers(curves, pixels);
         let note = [note, &say_covers(curves, &covers)].join("\n");
-        let note: Vec<_> = note
+        let note = note
             .trim()
             .lines()
-            .flat_map(|l| wrap(l, 12, WIDTH - 40))
-            .collect();
+            .flat_map(|line| wrap(line, 12, WIDTH - 40));
+        let note: Vec<String> = note.collect();
         let [x_label, y_label] = [&plot.x, &plot.y].map(|axis| wrap(&axis.label, 13, WIDTH - 40));
         let top = 32 + TITLE_LINE * title.len() as i32 + LINE * y_label.len() as i32;
         let bottom = top + PLOT_HEIGHT;
@@ -110,7 +106,7 @@ impl<'a> Layout<'a> {
         let note_height = if note.is_empty() {
             0
         } else {
-            10 + note.len() as i32 * 17
+            10 + 17 * note.len() as i32
         };
         let below = bottom + 44 + LINE * x_label.len() as i32;
         let height = below + legend_height + note_height;
@@ -135,144 +131,125 @@ impl<'a> Layout<'a> {
         }
     }
 
-    pub(super) fn draw(&self, curves: &[Curve<'_>]) -> Result<String, Box<dyn std::error::Error>> {
-        let mut svg = String::new();
-        {
-            let backend = SVGBackend::with_string(&mut svg, Canvas::size(self.height));
-            let area = backend.into_drawing_area();
-            let canvas = Canvas::new(area);
-            self.frame(&canvas)?;
-            let pixels = |a: i32, b: i32| Canvas::units(a)..Canvas::units(b);
-            let data = canvas.area().clone().apply_coord_spec(Cartesian2d::<
-                RangedCoordf64,
-                RangedCoordf64,
-            >::new(
-                self.x_range.0..self.x_range.1,
-                self.y_range.0..self.y_range.1,
-                (pixels(self.left, self.right), pixels(self.bottom, self.top)),
-            ));
-            let to_canvas = |place: &(f64, f64)| data.map_coordinate(place);
-            self.axes(&canvas, &|x, y| to_canvas(&(x, y)))?;
-            // Closed forms over the lines, where a line on the same path would hide them, and
-            // below the markers.
-            let (exact, measured): (Vec<_>, Vec<_>) = curves
-                .iter()
-                .zip(&self.covers)
-                .partition(|(c, _)| c.series.style == Style::ExactCurve);
-            let path = |run: &Vec<_>| {
-                let mut path: Vec<_> = run.iter().map(to_canvas).collect();
-                path.dedup();
-                path
-            };
-            for (curve, _) in measured.iter().chain(&exact) {
-                for run in &curve.runs {
-                    draw_line(&canvas, curve, &path(run))?;
-                }
-            }
-            for (curve, covers) in exact.iter().chain(&measured) {
-                for run in &curve.runs {
-                    draw_markers(&canvas, curve, &path(run), covers.len())?;
-                }
-            }
-            if curves.iter().all(|c| c.runs.is_empty()) {
-                let middle = ((self.left + self.right) / 2, (self.top + self.bottom) / 2);
-                canvas.text("no data", middle, 15, SOFT_INK, Anchor::Middle)?;
-            }
-            self.legend(&canvas, curves)?;
-            canvas.area().present()?;
-        }
-        Ok(Canvas::finish(&svg, self.height, &self.plot.title))
+    /// Where a place stands (px), to a quarter of a pixel: what is nearer together is one point.
+    fn at(&self, x: f64, y: f64) -> Point {
+        let quarter = |x: f64| (4.0 * x).round() / 4.0;
+        let share = |value: f64, (low, high): (f64, f64)| (value - low) / (high - low);
+        let (left, right) = (f64::from(self.left), f64::from(self.right));
+        let (top, bottom) = (f64::from(self.top), f64::from(self.bottom));
+        let (right, up) = (
+            share(x, self.x_range) * (right - left),
+            share(y, self.y_range) * (bottom - top),
+        );
+        (quarter(left + right), quarter(bottom - up))
     }
 
-    /// Background, title, axis labels and note.
-    fn frame(&self, canvas: &Canvas<'_>) -> Drawn {
-        canvas.rectangle((0, 0), (WIDTH, self.height), [255; 3])?;
+    pub(super) fn draw(&self, curves: &[Curve<'_>]) -> String {
+        let mut canvas = Canvas::new(self.height, &self.plot.title);
+        self.frame(&mut canvas);
+        self.axes(&mut canvas);
+        // Closed forms over the lines, where a line on the same path would hide them, and below the markers.
+        let both = curves.iter().zip(&self.covers);
+        let (exact, measured): (Vec<_>, Vec<_>) =
+            both.partition(|(c, _)| c.series.style == Style::ExactCurve);
+        let path = |run: &Vec<(f64, f64)>| {
+            let mut path: Vec<Point> = run.iter().map(|&(x, y)| self.at(x, y)).collect();
+            path.dedup();
+            path
+        };
+        for (curve, _) in measured.iter().chain(&exact) {
+            for run in &curve.runs {
+                draw_line(&mut canvas, curve, &path(run));
+            }
+        }
+        for (curve, covers) in exact.iter().chain(&measured) {
+            for run in &curve.runs {
+                draw_markers(&mut canvas, curve, &path(run), covers.len());
+            }
+        }
+        if curves.iter().all(|c| c.runs.is_empty()) {
+            let middle = ((self.left + self.right) / 2, (self.top + self.bottom) / 2);
+            canvas.text("no data", middle, 15, SOFT_INK, "middle");
+        }
+        self.legend(&mut canvas, curves);
+        canvas.finish()
+    }
+
+    /// Title, axis labels and note.
+    fn frame(&self, canvas: &mut Canvas) {
         for (i, line) in self.title.iter().enumerate() {
-            canvas.bold(line, (20, 26 + TITLE_LINE * i as i32), 16, INK)?;
+            canvas.bold(line, (20, 26 + TITLE_LINE * i as i32), 16, INK);
         }
         for (i, line) in self.y_label.iter().rev().enumerate() {
             let y = self.top - 19 - LINE * i as i32;
-            canvas.text(line, (20, y), 13, INK, Anchor::Left)?;
+            canvas.text(line, (20, y), 13, INK, "start");
         }
         for (i, line) in self.x_label.iter().enumerate() {
             // In the middle of the data, unless it is too long for that.
             let half = text_width(line, 13) / 2;
             let middle = ((self.left + self.right) / 2).min(WIDTH - 10 - half);
             let at = (middle, self.bottom + 43 + LINE * i as i32);
-            canvas.text(line, at, 13, INK, Anchor::Middle)?;
+            canvas.text(line, at, 13, INK, "middle");
         }
         for (i, line) in self.note.iter().enumerate() {
             let y = self.height - 17 * (self.note.len() - i) as i32;
-            canvas.text(line, (20, y), 12, SOFT_INK, Anchor::Left)?;
+            canvas.text(line, (20, y), 12, SOFT_INK, "start");
         }
-        Ok(())
     }
 
     /// Grid, border and ticks.
-    fn axes(&self, canvas: &Canvas<'_>, at: &dyn Fn(f64, f64) -> (i32, i32)) -> Drawn {
+    fn axes(&self, canvas: &mut Canvas) {
+        let at = |x: f64, y: f64| self.at(x, y);
         let ((x0, x1), (y0, y1)) = (self.x_range, self.y_range);
         let faint = mix(GRID, [255; 3], 0.6);
         for &x in &self.x_ticks.minor {
-            canvas.stroke(&[at(x, y0), at(x, y1)], faint, 1.0)?;
+            canvas.stroke(&[at(x, y0), at(x, y1)], faint, 1.0);
         }
         for &y in &self.y_ticks.minor {
-            canvas.stroke(&[at(x0, y), at(x1, y)], faint, 1.0)?;
+            canvas.stroke(&[at(x0, y), at(x1, y)], faint, 1.0);
         }
         let mut last = i32::MIN;
         for (x, text) in &self.x_ticks.labelled {
-            canvas.stroke(&[at(*x, y0), at(*x, y1)], GRID, 1.0)?;
-            let (centre, half) = (Canvas::pixels(at(*x, y0).0), text_width(text, 13) / 2);
+            canvas.stroke(&[at(*x, y0), at(*x, y1)], GRID, 1.0);
+            let (centre, half) = (at(*x, y0).0.round() as i32, text_width(text, 13) / 2);
             // Neighbours of a logarithmic axis may stand too close for their texts.
             if centre - half > last {
-                canvas.text(
-                    text,
-                    (centre, self.bottom + 17),
-                    13,
-                    SOFT_INK,
-                    Anchor::Middle,
-                )?;
+                let at = (centre, self.bottom + 17);
+                canvas.text(text, at, 13, SOFT_INK, "middle");
                 last = centre + half + 6;
             }
         }
         let mut last = i32::MAX;
         for (y, text) in &self.y_ticks.labelled {
-            canvas.stroke(&[at(x0, *y), at(x1, *y)], GRID, 1.0)?;
-            let centre = Canvas::pixels(at(x0, *y).1);
+            canvas.stroke(&[at(x0, *y), at(x1, *y)], GRID, 1.0);
+            let centre = at(x0, *y).1.round() as i32;
             if centre + 15 < last {
-                canvas.text(text, (self.left - 9, centre), 13, SOFT_INK, Anchor::Right)?;
+                canvas.text(text, (self.left - 9, centre), 13, SOFT_INK, "end");
                 last = centre;
             }
         }
-        canvas.stroke(
-            &[at(x0, y1), at(x0, y0), at(x1, y0)],
-            mix(SOFT_INK, [255; 3], 0.3),
-            1.25,
-        )
+        let border = [at(x0, y1), at(x0, y0), at(x1, y0)];
+        canvas.stroke(&border, mix(SOFT_INK, [255; 3], 0.3), 1.25);
     }
 
-    fn legend(&self, canvas: &Canvas<'_>, curves: &[Curve<'_>]) -> Drawn {
+    fn legend(&self, canvas: &mut Canvas, curves: &[Curve<'_>]) {
         let mut y = self.below + 8;
         for (curves, texts) in curves.chunks(2).zip(self.legend.chunks(2)) {
             for (column, (curve, lines)) in curves.iter().zip(texts).enumerate() {
                 let left = 20 + COLUMN * column as i32;
-                let end = |x: i32| (Canvas::units(x), Canvas::units(y));
-                draw_line(canvas, curve, &[end(left), end(left + SAMPLE)])?;
+                let end = |x: i32| (f64::from(x), f64::from(y));
+                draw_line(canvas, curve, &[end(left), end(left + SAMPLE)]);
                 if matches!(curve.series.style, Style::Points | Style::LinePoints) {
-                    canvas.marker(end(left + SAMPLE / 2), curve.look, 1.0)?;
+                    canvas.marker(end(left + SAMPLE / 2), curve.look, 1.0);
                 }
-                let ink = if curve.runs.is_empty() {
-                    mix(INK, [255; 3], 0.5)
-                } else {
-                    INK
-                };
+                let ink = mix(INK, [255; 3], if curve.runs.is_empty() { 0.5 } else { 0.0 });
                 for (i, line) in lines.iter().enumerate() {
                     let at = (left + SAMPLE + 8, y + LINE * i as i32);
-                    canvas.text(line, at, 13, ink, Anchor::Left)?;
+                    canvas.text(line, at, 13, ink, "start");
                 }
             }
             y += row_height(texts);
         }
-        Ok(())
     }
 }
 
@@ -323,26 +300,17 @@ fn say_covers(curves: &[Curve<'_>], covers: &[Vec<usize>]) -> String {
     }
 }
 
-fn draw_line(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> Drawn {
+fn draw_line(canvas: &mut Canvas, curve: &Curve<'_>, path: &[Point]) {
+    let colour = curve.look.colour;
     match curve.series.style {
-        Style::Points => Ok(()),
-        Style::Line | Style::LinePoints => canvas.stroke(path, curve.look.colour, 2.0),
-        Style::ExactCurve => canvas.dashes(
-            path,
-            mix(curve.look.colour, [0; 3], 0.25),
-            1.75,
-            curve.pattern,
-        ),
+        Style::Points => {}
+        Style::Line | Style::LinePoints => canvas.stroke(path, colour, 2.0),
+        Style::ExactCurve => canvas.dashes(path, mix(colour, [0; 3], 0.25), 1.75, curve.pattern),
     }
 }
 
-/// Markers along a path (units), larger where later curves cover this one, so that all show.
-fn draw_markers(
-    canvas: &Canvas<'_>,
-    curve: &Curve<'_>,
-    path: &[(i32, i32)],
-    covers: usize,
-) -> Drawn {
+/// Markers along a path, larger where later curves cover this one, so that all show.
+fn draw_markers(canvas: &mut Canvas, curve: &Curve<'_>, path: &[Point], covers: usize) {
     let size = 1.0 + 0.45 * covers.min(4) as f64;
     // A run of one point has no line.
     let lonely = path.len() == 1;
@@ -351,12 +319,11 @@ fn draw_markers(
         // First and last point always carry a marker.
         Style::LinePoints => path.len().div_ceil(24).max(1),
         _ if lonely => 1,
-        _ => return Ok(()),
+        _ => return,
     };
     for (i, &point) in path.iter().enumerate() {
         if i.is_multiple_of(stride) || i + 1 == path.len() {
-            canvas.marker(point, curve.look, size)?;
+            canvas.marker(point, curve.look, size);
         }
     }
-    Ok(())
 }

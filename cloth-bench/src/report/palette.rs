@@ -98,7 +98,6 @@ fn method(label: &str) -> Option<usize> {
 /// A method has its fixed colour. Several series of one method have the same hue, lighter and
 /// darker in turn, and differ in marker. Other labels take, in order of appearance, colours that
 /// do not resemble those of the methods in the same plot.
-#[must_use]
 pub fn looks(labels: &[&str]) -> Vec<Look> {
     let present: Vec<Rgb> = labels
         .iter()
@@ -134,7 +133,6 @@ pub fn looks(labels: &[&str]) -> Vec<Look> {
 
 /// The look of a curve in closed form: that of the measured series whose whole label it begins
 /// with (`xpbd, 4 substeps, exact`), else that of its method, else `None`, which means ink.
-#[must_use]
 pub fn exact_look(label: &str, measured: &[(&str, Look)]) -> Option<Look> {
     let longest = measured
         .iter()
@@ -164,14 +162,12 @@ fn variant(index: usize, nth: u32) -> Look {
 }
 
 /// How far apart two colours are in sRGB (0 to 442), weighted as the eye weights them.
-#[must_use]
 pub fn gap(a: Rgb, b: Rgb) -> f64 {
     let square = |i: usize| (f64::from(a[i]) - f64::from(b[i])).powi(2);
     (2.0 * square(0) + 4.0 * square(1) + 3.0 * square(2)).sqrt() / 1.7
 }
 
 /// `share` (0 to 1) of `to` in `from`.
-#[must_use]
 pub fn mix(from: Rgb, to: Rgb, share: f64) -> Rgb {
     std::array::from_fn(|i| {
         (f64::from(from[i]) * (1.0 - share) + f64::from(to[i]) * share).round() as u8
@@ -179,7 +175,6 @@ pub fn mix(from: Rgb, to: Rgb, share: f64) -> Rgb {
 }
 
 /// An sRGB channel (0 to 255) as linear light (0 to 1).
-#[must_use]
 pub fn to_linear(channel: u8) -> f64 {
     let value = f64::from(channel) / 255.0;
     if value <= 0.040_45 {
@@ -190,7 +185,6 @@ pub fn to_linear(channel: u8) -> f64 {
 }
 
 /// Linear light (0 to 1, clamped) as an sRGB channel (0 to 255).
-#[must_use]
 pub fn from_linear(light: f64) -> u8 {
     let light = light.clamp(0.0, 1.0);
     let value = if light <= 0.003_130_8 {

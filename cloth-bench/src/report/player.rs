@@ -46,13 +46,11 @@ pub struct Film {
 
 impl Film {
     /// A film of cloth.
-    #[must_use]
     pub fn of_cloth(triangles: &[[u32; 3]], frames: &[Vec<Vec3>]) -> Self {
         Self::new(true, triangles, frames)
     }
 
     /// A film of an obstacle.
-    #[must_use]
     pub fn of_obstacle(triangles: &[[u32; 3]], frames: &[Vec<Vec3>]) -> Self {
         Self::new(false, triangles, frames)
     }
@@ -86,7 +84,6 @@ pub(super) const SCRIPT: &str = include_str!("player.js");
 
 impl Playback {
     /// As an element of a page.
-    #[must_use]
     pub fn to_html(&self) -> String {
         let tiles: String = self
             .tracks

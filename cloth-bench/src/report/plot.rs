@@ -1,13 +1,13 @@
 //! Plots: curves over linear or logarithmic axes, as SVG.
 //!
-//! plotters maps data to the canvas and writes the shapes; the layout around them is ours. The
-//! legend stands below the data, never on it. What an axis cannot show (a zero on a logarithmic
+//! The legend stands below the data, never on it. What an axis cannot show (a zero on a logarithmic
 //! axis, a `NaN` anywhere) is left out, counted, and said below the plot. Curves that lie on one
 //! another are named there too, and their markers grow downwards so that each can be seen.
 
 use super::layout::{Curve, Layout};
 use super::palette::{Look, exact_look, looks};
 use super::scale::{Scale, range};
+use itertools::Itertools;
 
 /// What an axis measures.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,28 +22,23 @@ pub struct Axis {
 
 impl Axis {
     /// An axis with evenly spaced values.
-    #[must_use]
     pub fn linear(label: &str) -> Self {
         Self {
             label: label.to_owned(),
-            scale: Scale::Linear,
-            range: None,
+            ..Self::default()
         }
     }
 
     /// An axis by decimal logarithm.
-    #[must_use]
     pub fn log(label: &str) -> Self {
         Self {
-            label: label.to_owned(),
             scale: Scale::Log,
-            range: None,
+            ..Self::linear(label)
         }
     }
 
     /// Shows only `low` to `high` (in the unit of the axis). Points outside are counted in the
     /// note, not drawn at the border.
-    #[must_use]
     pub fn within(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self
@@ -65,13 +60,10 @@ impl Axis {
 
     /// The range of places to show, given the places of the points.
     pub(super) fn places(&self, of_points: impl Iterator<Item = f64>) -> (f64, f64) {
-        let given = self
-            .range
-            .map(|(low, high)| (self.scale.place(low), self.scale.place(high)));
+        let place = |(low, high)| (self.scale.place(low), self.scale.place(high));
         let usable = |&(low, high): &(f64, f64)| low.is_finite() && high.is_finite() && low < high;
-        given
-            .filter(usable)
-            .unwrap_or_else(|| range(self.scale, of_points))
+        let given = self.range.map(place).filter(usable);
+        given.unwrap_or_else(|| range(self.scale, of_points))
     }
 }
 
@@ -124,7 +116,6 @@ pub struct Series {
 
 impl Series {
     /// A line with markers.
-    #[must_use]
     pub fn new(label: &str, points: Vec<(f64, f64)>) -> Self {
         Self {
             label: label.to_owned(),
@@ -134,7 +125,6 @@ impl Series {
     }
 
     /// The same series in another style.
-    #[must_use]
     pub fn styled(mut self, style: Style) -> Self {
         self.style = style;
         self
@@ -142,7 +132,6 @@ impl Series {
 }
 
 /// One curve per label, in the order in which the labels come up first, through the points of all rows with that label.
-#[must_use]
 pub fn curves<R, L: Into<String>>(
     rows: impl IntoIterator<Item = R>,
     label_and_point: impl Fn(R) -> (L, (f64, f64)),
@@ -185,7 +174,6 @@ pub struct Drawing {
 
 impl Plot {
     /// A figure without curves.
-    #[must_use]
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
         Self {
             title: title.into(),
@@ -196,27 +184,23 @@ impl Plot {
     }
 
     /// With more curves.
-    #[must_use]
     pub fn with(mut self, series: impl IntoIterator<Item = Series>) -> Self {
         self.series.extend(series);
         self
     }
 
     /// With more curves, drawn as measured points.
-    #[must_use]
     pub fn points(self, series: impl IntoIterator<Item = Series>) -> Self {
         let points = series.into_iter().map(|curve| curve.styled(Style::Points));
         self.with(points)
     }
 
     /// With a closed form, a reference or a guide.
-    #[must_use]
     pub fn exact(self, label: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.exact_curves([Series::new(label, points.into_iter().collect())])
     }
 
     /// With several of them.
-    #[must_use]
     pub fn exact_curves(self, series: impl IntoIterator<Item = Series>) -> Self {
         let dashed = series
             .into_iter()
@@ -225,17 +209,12 @@ impl Plot {
     }
 
     /// With a remark below.
-    #[must_use]
     pub fn note(mut self, note: &str) -> Self {
         note.clone_into(&mut self.note);
         self
     }
 
     /// Draws the figure.
-    ///
-    /// # Panics
-    /// Never in practice: it writes to a string, which cannot fail.
-    #[must_use]
     pub fn draw(&self) -> Drawing {
         let mut absent = Vec::new();
         let mut curves = Vec::new();
@@ -248,28 +227,23 @@ impl Plot {
             } else {
                 next.next().map(|(_, look)| *look)
             };
-            let mut runs = vec![Vec::new()];
+            let (mut runs, mut run) = (Vec::new(), Vec::new());
             for &(x, y) in &series.points {
                 match self.x.refuses(x).or_else(|| self.y.refuses(y)) {
                     Some(absence) => {
                         absent.push((absence, index));
-                        runs.push(Vec::new());
+                        runs.push(std::mem::take(&mut run));
                     }
-                    None => {
-                        let place = (self.x.scale.place(x), self.y.scale.place(y));
-                        runs.last_mut().expect("one run at least").push(place);
-                    }
+                    None => run.push((self.x.scale.place(x), self.y.scale.place(y))),
                 }
             }
+            runs.push(run);
             runs.retain(|run| !run.is_empty());
             curves.push(Curve::new(series, look, pattern, runs));
         }
         let note = [self.note.clone(), self.say_absent(&absent)].join("\n");
-        let svg = Layout::new(self, &curves, note.trim())
-            .draw(&curves)
-            .expect("writing to a string cannot fail");
         Drawing {
-            svg,
+            svg: Layout::new(self, &curves, note.trim()).draw(&curves),
             dropped: absent.len(),
         }
     }
@@ -286,26 +260,26 @@ impl Plot {
     fn say_absent(&self, absent: &[(Absence, usize)]) -> String {
         let mut parts = Vec::new();
         for (kind, words) in Absence::ALL {
-            let count_in = |series| absent.iter().filter(|&&a| a == (kind, series)).count();
-            let counts: Vec<_> = (0..self.series.len()).map(count_in).collect();
-            let total: usize = counts.iter().sum();
-            let named = self
+            let of = |series| absent.iter().filter(|&&a| a == (kind, series)).count();
+            let counts = self
                 .series
                 .iter()
-                .zip(&counts)
-                .filter(|(_, count)| **count > 0);
-            let named: Vec<_> = named
-                .map(|(s, count)| format!("{count} of {}", s.label))
-                .collect();
-            if total > 0 {
-                let points = if total == 1 { "point" } else { "points" };
-                parts.push(format!("{total} {points} {words} ({})", named.join("; ")));
-            }
+                .enumerate()
+                .map(|(index, s)| (of(index), s));
+            let counts: Vec<_> = counts.filter(|(count, _)| *count > 0).collect();
+            let points = match counts.iter().map(|(count, _)| count).sum::<usize>() {
+                0 => continue,
+                1 => "1 point".to_owned(),
+                total => format!("{total} points"),
+            };
+            let mut named = counts
+                .iter()
+                .map(|(count, s)| format!("{count} of {}", s.label));
+            parts.push(format!("{points} {words} ({})", named.join("; ")));
         }
-        if parts.is_empty() {
-            String::new()
-        } else {
-            format!("Not shown: {}.", parts.join(", "))
+        match parts.is_empty() {
+            true => String::new(),
+            false => format!("Not shown: {}.", parts.join(", ")),
         }
     }
 }

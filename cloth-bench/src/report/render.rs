@@ -35,7 +35,6 @@ pub struct Surface<'a> {
 
 impl<'a> Surface<'a> {
     /// A piece of cloth: blue front, sand-coloured back.
-    #[must_use]
     pub fn cloth(positions: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Self {
         Self {
             positions,
@@ -46,7 +45,6 @@ impl<'a> Surface<'a> {
     }
 
     /// Something solid that cloth lies on: grey.
-    #[must_use]
     pub fn obstacle(positions: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Self {
         Self {
             positions,

@@ -4,12 +4,15 @@ use super::table::Cell;
 use serde::ser::{Error, Impossible, Serialize, SerializeStruct, SerializeTuple, Serializer};
 use std::fmt;
 
-/// The columns that a row has, and what stands in them.
+/// The columns that a row has, and what stands in them. Values that are no field of a struct have `names`.
 ///
 /// # Panics
 /// If the row holds what is no cell.
-pub(super) fn columns_and_cells<R: Serialize>(row: &R) -> (Vec<String>, Vec<Cell>) {
-    let mut cells = RowCells::default();
+pub(super) fn columns_and_cells<R: Serialize>(names: &[&str], row: &R) -> (Vec<String>, Vec<Cell>) {
+    let mut cells = RowCells {
+        names: names.iter(),
+        ..RowCells::default()
+    };
     if let Err(NoCell(reason)) = row.serialize(&mut cells) {
         panic!("a row of a table: {reason}");
     }
@@ -18,19 +21,25 @@ pub(super) fn columns_and_cells<R: Serialize>(row: &R) -> (Vec<String>, Vec<Cell
 
 /// Takes a row apart.
 #[derive(Default)]
-struct RowCells {
-    /// The field that is being read.
+struct RowCells<'a> {
+    /// Those of values outside of structs.
+    names: std::slice::Iter<'a, &'a str>,
+    /// The field that is being read; empty outside of structs.
     field: &'static str,
     columns: Vec<String>,
     cells: Vec<Cell>,
 }
 
-impl RowCells {
+impl RowCells<'_> {
     fn push(&mut self, cell: impl Into<Cell>) -> Result<(), NoCell> {
+        let name = match self.field {
+            "" => *self.names.next().ok_or(NoCell("a nameless value".into()))?,
+            field => field,
+        };
         // What has a blank is written as it is to be read: `3χ + E_b`.
-        self.columns.push(match self.field.contains(' ') {
-            true => self.field.to_owned(),
-            false => self.field.replace('_', " "),
+        self.columns.push(match name.contains(' ') {
+            true => name.to_owned(),
+            false => name.replace('_', " "),
         });
         self.cells.push(cell.into());
         Ok(())
@@ -55,7 +64,7 @@ impl Error for NoCell {
     }
 }
 
-impl SerializeStruct for &mut RowCells {
+impl SerializeStruct for &mut RowCells<'_> {
     type Ok = ();
     type Error = NoCell;
 
@@ -64,8 +73,10 @@ impl SerializeStruct for &mut RowCells {
         name: &'static str,
         value: &T,
     ) -> Result<(), NoCell> {
-        self.field = name;
-        value.serialize(&mut **self)
+        let around = std::mem::replace(&mut self.field, name);
+        value.serialize(&mut **self)?;
+        self.field = around;
+        Ok(())
     }
 
     fn end(self) -> Result<(), NoCell> {
@@ -73,7 +84,7 @@ impl SerializeStruct for &mut RowCells {
     }
 }
 
-impl SerializeTuple for &mut RowCells {
+impl SerializeTuple for &mut RowCells<'_> {
     type Ok = ();
     type Error = NoCell;
 
@@ -86,6 +97,15 @@ impl SerializeTuple for &mut RowCells {
     }
 }
 
+/// Counts above `i64::MAX`, which no table here can hold, become `i64::MAX`.
+macro_rules! whole_numbers {
+    ($($name:ident: $type:ty),+) => { $(
+        fn $name(self, v: $type) -> Cells {
+            self.push(i64::try_from(v).unwrap_or(i64::MAX))
+        }
+    )+ };
+}
+
 type Never = Impossible<(), NoCell>;
 type Cells = Result<(), NoCell>;
 
@@ -93,7 +113,7 @@ fn no<T>(what: &str) -> Result<T, NoCell> {
     Err(NoCell(format!("{what} is no cell")))
 }
 
-impl Serializer for &mut RowCells {
+impl Serializer for &mut RowCells<'_> {
     type Ok = ();
     type Error = NoCell;
     type SerializeSeq = Never;
@@ -113,37 +133,8 @@ impl Serializer for &mut RowCells {
         self.push(if v { "yes" } else { "no" })
     }
 
-    fn serialize_i8(self, v: i8) -> Cells {
-        self.push(i64::from(v))
-    }
-
-    fn serialize_i16(self, v: i16) -> Cells {
-        self.push(i64::from(v))
-    }
-
-    fn serialize_i32(self, v: i32) -> Cells {
-        self.push(i64::from(v))
-    }
-
-    fn serialize_i64(self, v: i64) -> Cells {
-        self.push(v)
-    }
-
-    fn serialize_u8(self, v: u8) -> Cells {
-        self.push(i64::from(v))
-    }
-
-    fn serialize_u16(self, v: u16) -> Cells {
-        self.push(i64::from(v))
-    }
-
-    fn serialize_u32(self, v: u32) -> Cells {
-        self.push(i64::from(v))
-    }
-
-    fn serialize_u64(self, v: u64) -> Cells {
-        self.push(i64::try_from(v).unwrap_or(i64::MAX))
-    }
+    whole_numbers! { serialize_i8: i8, serialize_i16: i16, serialize_i32: i32, serialize_i64: i64 }
+    whole_numbers! { serialize_u8: u8, serialize_u16: u16, serialize_u32: u32, serialize_u64: u64 }
 
     fn serialize_f32(self, v: f32) -> Cells {
         self.push(f64::from(v))

@@ -29,7 +29,6 @@ impl Scale {
 
 /// A range that holds all `places`, with a margin. Any number of places will do, none and all
 /// equal included.
-#[must_use]
 pub fn range(scale: Scale, places: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
         (low.min(place), high.max(place))
@@ -67,7 +66,6 @@ pub struct Ticks {
 }
 
 /// Ticks for the range `low` to `high` of places, at most about `most` of them labelled.
-#[must_use]
 pub fn ticks(scale: Scale, (low, high): (f64, f64), most: usize) -> Ticks {
     match scale {
         Scale::Linear => linear_ticks(low, high, most),

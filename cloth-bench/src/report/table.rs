@@ -96,7 +96,6 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 
 impl Cell {
     /// A value as a reader wants it, rounded and with its unit.
-    #[must_use]
     pub fn said(text: impl Into<String>) -> Self {
         Self::Marked(text.into(), Mark::Plain)
     }
@@ -158,7 +157,6 @@ pub struct Table {
 
 impl Table {
     /// A table without rows.
-    #[must_use]
     pub fn new<S: AsRef<str>>(columns: &[S]) -> Self {
         Self {
             columns: columns.iter().map(|s| s.as_ref().to_owned()).collect(),
@@ -167,7 +165,6 @@ impl Table {
     }
 
     /// A table without rows, whose first column names what the others are about.
-    #[must_use]
     pub fn about(first: &str, others: impl IntoIterator<Item = String>) -> Self {
         let columns = std::iter::once(first.to_owned()).chain(others);
         Self::new(&columns.collect::<Vec<_>>())
@@ -185,36 +182,28 @@ impl Table {
     ///
     /// # Panics
     /// If a row holds what is no cell, such as a list.
-    #[must_use]
     pub fn of<R: Serialize + Default>(rows: &[R]) -> Self {
+        Self::named::<&str, R>(&[], rows)
+    }
+
+    /// The same of rows that hold values without a name, in tuples, which are called `names` in their order.
+    ///
+    /// # Panics
+    /// If there are fewer names, and as [`Table::of`].
+    pub fn named<S: AsRef<str>, R: Serialize + Default>(names: &[S], rows: &[R]) -> Self {
+        let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
         // The columns are there without rows too.
-        let (columns, _) = rows::columns_and_cells(&R::default());
-        let cells = rows.iter().map(|row| rows::columns_and_cells(row).1);
+        let (columns, _) = rows::columns_and_cells(&names, &R::default());
+        let cells = rows
+            .iter()
+            .map(|row| rows::columns_and_cells(&names, row).1);
         Self {
             columns,
             rows: cells.collect(),
         }
     }
 
-    /// Adds one row, each cell with its column; the first row names the columns of an empty table.
-    ///
-    /// # Panics
-    /// If the table has other columns.
-    pub fn push<const N: usize>(&mut self, row: [(&str, Cell); N]) {
-        let names = row.each_ref().map(|(name, _)| *name);
-        if self.columns.is_empty() {
-            self.columns = names.map(str::to_owned).into();
-        }
-        assert!(
-            self.columns == names,
-            "{names:?} are not the columns {:?}",
-            self.columns
-        );
-        self.rows.push(row.map(|(_, cell)| cell).into());
-    }
-
     /// As a CSV file (RFC 4180: comma, CRLF, first line the column names), at full precision.
-    #[must_use]
     pub fn to_csv(&self) -> String {
         let names = self
             .columns
@@ -231,7 +220,6 @@ impl Table {
     }
 
     /// As lines of text for a terminal, numbers to four significant digits and to the right of their columns.
-    #[must_use]
     pub fn to_text(&self) -> String {
         let texts: Vec<Vec<String>> = self
             .rows
@@ -271,7 +259,6 @@ impl Table {
     }
 
     /// As an HTML `<table>`, numbers to four significant digits and aligned to the right.
-    #[must_use]
     pub fn to_html(&self) -> String {
         let mut html = String::from("<table><thead><tr>");
         for (column, name) in self.columns.iter().enumerate() {
@@ -292,6 +279,12 @@ impl Table {
     }
 }
 
+impl<R: Serialize + Default> From<&Vec<R>> for Table {
+    fn from(rows: &Vec<R>) -> Self {
+        Self::of(rows)
+    }
+}
+
 /// `text` as a CSV field: in quotes, with quotes doubled, if it holds a comma, a quote, a line
 /// break or blanks at its ends, or is empty.
 fn quoted(text: &str) -> String {
@@ -305,7 +298,6 @@ fn quoted(text: &str) -> String {
 
 /// `number` rounded to `digits` significant digits, without trailing zeros; as `1.5e-7` outside
 /// of 0.001 … 100 000, as `NaN`, `∞` or `−∞` if not finite.
-#[must_use]
 pub fn significant(number: f64, digits: usize) -> String {
     if number.is_nan() {
         return "NaN".to_owned();
@@ -331,7 +323,6 @@ pub fn significant(number: f64, digits: usize) -> String {
 }
 
 /// `number` as a reader wants it: two significant digits, or all of them before the point.
-#[must_use]
 pub fn two(number: f64) -> String {
     match number.abs() >= 100.0 {
         true => format!("{number:.0}"),
@@ -340,7 +331,6 @@ pub fn two(number: f64) -> String {
 }
 
 /// A fraction as a percentage of two digits.
-#[must_use]
 pub fn percent(fraction: f64) -> String {
     match 100.0 * fraction {
         none if none.abs() < 0.005 => "0 %".into(),

@@ -76,7 +76,6 @@ pub fn crossing_warnings(
 
 impl Summary {
     /// A sentence about cloth that bodies have pinched, if they have.
-    #[must_use]
     pub fn pinch_warning(&self) -> Option<String> {
         let (pinched, steps, most) = (self.pinched_steps, self.steps, self.most_pinched);
         (pinched > 0).then(|| {

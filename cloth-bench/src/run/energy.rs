@@ -117,7 +117,7 @@ pub(super) struct Entries {
 impl EnergyBalance {
     /// Of a cloth in this state, whose contact stores so much (J).
     pub(super) fn new(scene: &Scene, state: &State, stored: Real) -> Result<Self, BenchError> {
-        let mut energies = scene.elastic().map_err(BenchError::failed)?;
+        let mut energies = scene.elastic()?;
         energies.set_time(state.time);
         let zeros = vec![Vec3::zeros(); state.positions.len()];
         let mut balance = Self {
@@ -147,7 +147,7 @@ impl EnergyBalance {
         let had = moving(self, before);
         self.particles.clone_from(&scene.model.particles);
         self.entries.work += moving(self, state) - had;
-        self.energies = scene.elastic().map_err(BenchError::failed)?;
+        self.energies = scene.elastic()?;
         self.energies.set_time(state.time);
         Ok(())
     }

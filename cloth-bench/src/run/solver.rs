@@ -29,9 +29,6 @@ impl std::fmt::Debug for Solver<'_> {
 
 impl<'a> Solver<'a> {
     /// A method with these settings, for a scene at its start and steps of `dt` (s).
-    ///
-    /// # Errors
-    /// Those of [`Method::build`].
     pub fn new(
         method: &'a Method,
         settings: &'a Settings,

@@ -62,8 +62,8 @@ impl Untangling {
         };
         let w = scene.model.particles.inverse_mass();
         let contacts = &mut timed.source.contacts;
-        let found = untangler.begin_step(contacts, w, &mut state.positions, &mut state.velocities);
-        let found = found.map_err(BenchError::failed)?;
+        let found =
+            untangler.begin_step(contacts, w, &mut state.positions, &mut state.velocities)?;
         if std::mem::take(&mut self.is_new) {
             self.found.push(found);
         }

@@ -50,9 +50,6 @@ impl SeparationWatch {
     }
 
     /// Looks at a state of the scene as it is by now.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for positions that are not finite.
     pub fn look(&mut self, scene: &Scene, state: &State) -> Result<(), BenchError> {
         if self.counts != counts(scene) {
             let seen = self.seen;
@@ -67,9 +64,7 @@ impl SeparationWatch {
             self.seen.obstacle_crossed_steps += u32::from(now > 0);
         }
         if let Some(probe) = &mut self.probe {
-            let now = probe
-                .measure(&state.positions)
-                .map_err(BenchError::failed)?;
+            let now = probe.measure(&state.positions)?;
             self.seen.crossed_steps += u32::from(now.intersecting_pairs > 0);
             self.seen.most_intersections = self.seen.most_intersections.max(now.intersecting_pairs);
             self.seen.min_distance = least(self.seen.min_distance, now.min_distance);
@@ -78,7 +73,6 @@ impl SeparationWatch {
     }
 
     /// What was seen so far.
-    #[must_use]
     pub fn seen(&self) -> Watched {
         self.seen
     }

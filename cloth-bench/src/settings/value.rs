@@ -21,7 +21,6 @@ pub enum Range {
 
 impl Range {
     /// Whether a number is in it.
-    #[must_use]
     pub fn contains(self, number: Real) -> bool {
         match self {
             Self::Any => true,
@@ -54,7 +53,6 @@ pub trait Value: Sized {
     fn read(value: &DeValue<'_>) -> Option<Self>;
 
     /// The value where nothing is given, from the default of the setting.
-    #[must_use]
     fn by_default(default: &str) -> Option<Self> {
         Self::read(&DeValue::String(default.into()))
     }
@@ -65,7 +63,6 @@ pub trait Value: Sized {
     }
 
     /// The names that it can have.
-    #[must_use]
     fn names() -> Vec<&'static str> {
         Vec::new()
     }
@@ -297,7 +294,6 @@ choices! {
 
 impl Or<Infinite, Real> {
     /// The number, which may be infinite.
-    #[must_use]
     pub fn number(self) -> Real {
         match self {
             Self::Word(Infinite::Infinite) => Real::INFINITY,

@@ -22,14 +22,9 @@ pub(super) const STUDY: Study = Study {
 };
 
 /// Vertices a side.
-fn sides(scope: Scope) -> &'static [u32] {
-    scope.pick(&[17], &[32, 64])
-}
-
+const SIDES: [&[u32]; 2] = [&[17], &[32, 64]];
 /// Sweeps before a count is extrapolated.
-fn most_sweeps(scope: Scope) -> u32 {
-    scope.pick(4_000, 16_000)
-}
+const MOST_SWEEPS: [u32; 2] = [4_000, 16_000];
 
 const PROBLEMS: [&str; 3] = ["edge", "corners", "falling"];
 
@@ -71,8 +66,6 @@ fn variants(problem: &str, n: u32) -> Vec<Variant> {
 /// What a variant takes for a problem; the last two over the first variant.
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct Row {
-    problem: String,
-    n: u32,
     method: String,
     sweeps: String,
     needs_sweeps: u64,
@@ -87,27 +80,27 @@ struct Row {
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
-    let of_size = |&n| PROBLEMS.map(|problem| (problem, n));
+    let points = iproduct!(scope.of(SIDES), PROBLEMS);
     let found = study.grid(
-        sides(scope).iter().flat_map(of_size),
+        points.map(|(&n, problem)| (problem, n)),
         |(problem, n)| format!("{problem} at {n} × {n}"),
         |&(problem, n)| measure(scope, problem, n),
     );
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows = Vec::new();
     for ((problem, n), (reached, failed)) in found {
-        rows.extend(reached);
+        rows.extend(reached.into_iter().map(|row| ((problem, n), row)));
         for (variant, reason) in failed {
             let case = format!("{variant}, {problem} at {n} × {n}");
             let failed: Result<(), _> = Err(BenchError::Failed(reason));
-            study.findings.unless_failed(&case, failed);
+            study.unless_failed(&case, failed);
         }
     }
     chains::run(study);
-    study.findings.section.verdict = verdict(&rows);
-    study.findings.table(
+    study.section.verdict = verdict(&rows);
+    study.table(
         "acceleration",
         "Sweeps and time until a hundredth of the error of the prediction is left",
-        Table::of(&rows),
+        Table::named(&["problem", "n"], &rows),
     );
     Ok(())
 }
@@ -125,7 +118,7 @@ fn measure(scope: Scope, problem: &'static str, n: u32) -> Result<Counted, Bench
         _ => &hard,
     };
     let variants = variants(problem, n);
-    let most = most_sweeps(scope);
+    let most = scope.of(MOST_SWEEPS);
     let count = |variant: &Variant| needed::sweeps(scene(variant), &state, &target, variant, most);
     let counted: Vec<Result<Needed, BenchError>> = variants.par_iter().map(count).collect();
     let (mut reached, mut failed) = (Vec::new(), Vec::new());
@@ -140,18 +133,12 @@ fn measure(scope: Scope, problem: &'static str, n: u32) -> Result<Counted, Bench
     let row = |((variant, needed), time): (&(&Variant, Needed), &Time)| {
         let (plain, plain_time) =
             first.map_or((needed, time), |((_, needed), time)| (needed, time));
+        let count = ["at least", "measured"][usize::from(needed.measured)];
         Row {
-            problem: problem.to_owned(),
-            n,
             method: variant.method().to_owned(),
             sweeps: variant.what().to_owned(),
             needs_sweeps: needed.sweeps.round() as u64,
-            count: if needed.measured {
-                "measured"
-            } else {
-                "at least"
-            }
-            .to_owned(),
+            count: count.to_owned(),
             ms: 1e3 * time.seconds,
             ms_per_sweep: 1e3 * time.per_sweep,
             times_fewer_sweeps: plain.sweeps / needed.sweeps,
@@ -204,25 +191,28 @@ fn hold_upper_row(scene: &mut Scene) -> Result<(), BenchError> {
 }
 
 /// What the table says in words, at the largest size.
-fn verdict(rows: &[Row]) -> Option<String> {
-    let n = rows.last()?.n;
+fn verdict(rows: &[((&str, u32), Row)]) -> Option<String> {
+    let ((_, n), _) = rows.last()?;
     let say = |row: &Row| {
         let bound = if row.count == "measured" {
             ""
         } else {
             "at least "
         };
-        let (method, what) = (&row.method, &row.sweeps);
-        let sweeps = row.needs_sweeps;
-        format!(
-            "{method} {what} {bound}{sweeps} sweeps and {:.1} ms",
-            row.ms
-        )
+        let Row {
+            method,
+            sweeps,
+            needs_sweeps,
+            ms,
+            ..
+        } = row;
+        format!("{method} {sweeps} {bound}{needs_sweeps} sweeps and {ms:.1} ms")
     };
-    let of_problem = |problem: &str| {
+    let of_problem = |problem| {
         let rows = || {
             rows.iter()
-                .filter(|row| row.problem == problem && row.n == n)
+                .filter(|(at, _)| *at == (problem, *n))
+                .map(|(_, row)| row)
         };
         let best = rows().min_by(|a, b| a.ms.total_cmp(&b.ms))?;
         let plain = rows().next()?;

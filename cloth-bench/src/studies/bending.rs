@@ -20,28 +20,21 @@ pub(super) const STUDY: Study = Study {
 };
 
 /// Γ on which every model is measured.
-fn loads(scope: Scope) -> &'static [Real] {
-    scope.pick(
-        &[0.1, 10.0, 1000.0],
-        &[
-            0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0,
-        ],
-    )
-}
-
-fn rows(scope: Scope) -> usize {
-    scope.pick(128, 256)
-}
-
+const LOADS: [&[Real]; 2] = [
+    &[0.1, 10.0, 1000.0],
+    &[
+        0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0,
+    ],
+];
+/// Rows of the strips.
+const ROWS: [usize; 2] = [128, 256];
 /// Rows of the strips that show how the error falls.
-fn refined(scope: Scope) -> &'static [usize] {
-    scope.pick(&[16, 32, 64, 128], &[16, 32, 64, 128, 256])
-}
+const REFINED: [&[usize]; 2] = [&[16, 32, 64, 128], &[16, 32, 64, 128, 256]];
 
 /// Their Γ.
 const REFINED_LOADS: [Real; 2] = [100.0, 1000.0];
 /// One model by the curvature vector and one by the angle: at rest the mesh is flat, and the others are the same.
-const REFINED_MODELS: [(&str, Model); 2] = [MODELS[0], MODELS[2]];
+const REFINED_MODELS: [&str; 2] = [MODELS[0].0, MODELS[2].0];
 
 /// A strip whose own error, of Poisson's ratio and of the rim, is 0.014 %.
 const fn long_triangles(rows: usize) -> Shape {
@@ -66,23 +59,20 @@ fn ratio(gamma: Real) -> Real {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
     let worst = elastica(study);
     refinement(study);
     let apart = factors(study);
-    let on_curve = worst.is_some_and(|worst| worst < 0.01);
-    let alike = if on_curve {
-        "Every model lies on the curve of the heavy elastica"
-    } else {
-        "NOT every model lies on the curve of the heavy elastica"
+    let alike = match worst.is_some_and(|worst| worst < 0.01) {
+        true => "Every model lies on the curve of the heavy elastica",
+        false => "NOT every model lies on the curve of the heavy elastica",
     };
     let worst = worst.map_or("none was measured at every load".to_owned(), |worst| {
         format!("largest error {:.2} %", 100.0 * worst)
     });
-    study.findings.section.verdict = Some(format!(
+    study.section.verdict = Some(format!(
         "{alike} from Γ = 0.1 to 1000 on a strip of {} × 5 vertices ({worst}), so one rigidity D means one cloth. That holds where bending follows the edges: \
          the measured factors are those of the closed forms to {apart:.0e}, and they differ with pattern, direction and shape, from 1 to 18 for one k of the quadratic model.",
-        rows(scope)
+        study.scope.of(ROWS)
     ));
     Ok(())
 }
@@ -90,9 +80,6 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 /// A strip at rest.
 #[derive(Default, Serialize, Deserialize)]
 struct Hanging {
-    model: String,
-    #[serde(rename = "Γ")]
-    gamma: Real,
     #[serde(rename = "H/W exact")]
     exact: Real,
     #[serde(rename = "H/W measured")]
@@ -109,17 +96,11 @@ struct Hanging {
 }
 
 impl Hanging {
-    fn at_rest(
-        gamma: Real,
-        (name, model): (&str, Model),
-        shape: Shape,
-    ) -> Result<Self, BenchError> {
+    fn at_rest(gamma: Real, model: Model, shape: Shape) -> Result<Self, BenchError> {
         let sagged = sag(gamma, model, shape)?;
         let (span, drop) = (sagged.profile.span, sagged.profile.drop);
         let (exact, measured) = (ratio(gamma), drop / span);
         Ok(Self {
-            model: name.to_owned(),
-            gamma,
             exact,
             measured,
             relative_error: measured / exact - 1.0,
@@ -133,95 +114,73 @@ impl Hanging {
 
 /// H/W against Γ. Returns the largest relative error, or none if a strip did not come to rest.
 fn elastica(study: &mut StudyRun<'_>) -> Option<Real> {
-    let scope = study.scope;
-    let of_model = |model| loads(scope).iter().map(move |&gamma| (model, gamma));
-    let points: Vec<((&str, Model), Real)> = MODELS.into_iter().flat_map(of_model).collect();
-    let asked = points.len();
-    let found = study.grid_side_by_side(
+    let loads = study.scope.of(LOADS).iter().copied();
+    let shape = strip(study.scope.of(ROWS));
+    let points = iproduct!(MODELS.map(|(name, _)| name), loads);
+    let asked = points.clone().count();
+    let strips = study.grid_side_by_side(
         points,
-        |((name, _), gamma)| format!("{name}, Γ = {gamma}"),
-        |&(model, gamma)| Hanging::at_rest(gamma, model, strip(rows(scope))),
+        |(name, gamma)| format!("{name}, Γ = {gamma}"),
+        |&(name, gamma)| Hanging::at_rest(gamma, Model::named(name), shape),
     );
-    let strips: Vec<Hanging> = found.into_iter().map(|(_, strip)| strip).collect();
     let exact = (0..=40).map(|i| 10.0_f64.powf(-1.0 + 0.1 * Real::from(i)));
     let load = Axis::log("Γ = ρ g L³/D (dimensionless)");
     let height = Axis::log("drop over span H/W (dimensionless)");
     let plot = Plot::new("A strip under its own weight", load.clone(), height)
-        .points(curves(&strips, |s| {
-            (s.model.as_str(), (s.gamma, s.measured))
+        .points(curves(&strips, |((name, gamma), s)| {
+            (*name, (*gamma, s.measured))
         }))
         .exact(
             "heavy elastica, exact",
             exact.map(|gamma| (gamma, ratio(gamma))),
         )
         .note("The dashed curve is the exact solution of θ″ + Γ(1 − s) cos θ = 0.");
-    study.findings.plot("bending-elastica", &plot);
-    let errors = curves(&strips, |s| {
-        (s.model.as_str(), (s.gamma, 100.0 * s.relative_error))
+    study.plot("bending-elastica", &plot);
+    let errors = curves(&strips, |((name, gamma), s)| {
+        (*name, (*gamma, 100.0 * s.relative_error))
     });
     let error = Axis::linear("error of H/W (%)");
     let plot = Plot::new("Distance of the models from the exact curve", load, error).with(errors).note(
         "On the left what is left of Poisson's ratio and the rim, which lacks hinges; on the right the resolution, where a fold θ and 2 sin(θ/2) are no longer the same.",
     );
-    study.findings.plot("bending-elastica-error", &plot);
-    let caption = "Drop over span of a heavy strip at rest";
-    study
-        .findings
-        .table("bending-elastica", caption, Table::of(&strips));
-    let worst = strips.iter().map(|strip| strip.relative_error.abs());
-    (strips.len() == asked).then(|| worst.fold(0.0, Real::max))
-}
-
-/// A strip of so many rows.
-#[derive(Default, Serialize)]
-struct Refined {
-    model: &'static str,
-    #[serde(rename = "Γ")]
-    gamma: Real,
-    rows: usize,
-    #[serde(rename = "relative error of H/W")]
-    error: Real,
+    study.plot("bending-elastica-error", &plot);
+    let table = Table::named(&["model", "Γ"], &strips);
+    study.table(
+        "bending-elastica",
+        "Drop over span of a heavy strip at rest",
+        table,
+    );
+    let errors = strips.iter().map(|(_, strip)| strip.relative_error.abs());
+    (strips.len() == asked).then(|| largest(errors))
 }
 
 /// The error of H/W against resolution.
 fn refinement(study: &mut StudyRun<'_>) {
-    let rows = refined(study.scope);
-    let of_model = |gamma, model| rows.iter().map(move |&rows| (gamma, model, rows));
-    let of_load = |gamma| {
-        REFINED_MODELS
-            .into_iter()
-            .flat_map(move |model| of_model(gamma, model))
-    };
+    let rows = study.scope.of(REFINED).iter().copied();
+    let points = iproduct!(REFINED_LOADS, REFINED_MODELS, rows.clone());
     let found = study.grid_side_by_side(
-        REFINED_LOADS.into_iter().flat_map(of_load),
-        |(gamma, (name, _), rows)| format!("{name}, Γ = {gamma}, {rows} rows"),
-        |&(gamma, model, rows)| Hanging::at_rest(gamma, model, long_triangles(rows)),
+        points.map(|(gamma, name, rows)| (name, gamma, rows)),
+        |(name, gamma, rows)| format!("{name}, Γ = {gamma}, {rows} rows"),
+        |&(name, gamma, rows)| Hanging::at_rest(gamma, Model::named(name), long_triangles(rows)),
     );
-    let row = |((gamma, (model, _), rows), strip): ((_, (_, Model), _), Hanging)| Refined {
-        model,
-        gamma,
-        rows,
-        error: strip.relative_error,
-    };
-    let strips: Vec<Refined> = found.into_iter().map(row).collect();
-    let second = rows
-        .iter()
-        .map(|&rows| (rows as Real, 2.0 * (32.0 / rows as Real).powi(2)));
+    let strips = found
+        .into_iter()
+        .map(|(at, strip)| (at, strip.relative_error));
+    let strips = strips.collect_vec();
+    let second = rows.map(|rows| (rows as Real, 2.0 * (32.0 / rows as Real).powi(2)));
     let plot = Plot::new(
         "Error of H/W against resolution",
         Axis::log("rows of vertices along the strip (dimensionless)"),
         Axis::log("error of H/W (%)").within(0.01, 30.0),
     )
-    .with(curves(&strips, |s| {
-        let label = format!("{}, Γ = {}", s.model, s.gamma);
-        (label, (s.rows as Real, 100.0 * s.error.abs()))
+    .with(curves(&strips, |((name, gamma, rows), error)| {
+        (format!("{name}, Γ = {gamma}"), (*rows as Real, 100.0 * error.abs()))
     }))
     .exact("second order", second)
     .note("Triangles eight times as high as wide, three vertices across: what the strip itself is wrong by, Poisson's ratio and the rim, is 0.014 %.");
-    study.findings.plot("bending-refinement", &plot);
-    study
-        .findings
-        .data("bending-refinement", Table::of(&strips));
+    study.plot("bending-refinement", &plot);
+    let names = ["model", "Γ", "rows", "relative error of H/W"];
+    study.data("bending-refinement", Table::named(&names, &strips));
 }
 
 /// Directions of the curvature (degrees) of the cylinder that are measured, and of the points of the exact curve
@@ -271,22 +230,17 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
         "settled: cylinder 45°",
         "settled: sphere",
     ]);
-    let on_patterns = |model| Pattern::NAMES.iter().map(move |&pattern| (model, pattern));
     let found = study.grid_side_by_side(
-        MODELS.into_iter().flat_map(on_patterns),
+        iproduct!(MODELS, Pattern::NAMES),
         |((name, _), (pattern, _))| format!("{name} on {pattern}"),
         |&((_, model), (_, pattern))| {
-            let of = |what| factor(bent(model, pattern, what));
-            shown()
-                .into_iter()
-                .map(of)
-                .collect::<Result<Vec<[Real; 2]>, _>>()
+            let factors = shown().map(|what| factor(bent(model, *pattern, what)));
+            factors.into_iter().try_collect::<_, Vec<_>, _>()
         },
     );
     for (((name, _), (pattern, _)), found) in &found {
-        let head = [Cell::from(*name), Cell::from(*pattern)];
         let measured = found.iter().map(|[_, measured]| Cell::from(*measured));
-        table.rows.push(head.into_iter().chain(measured).collect());
+        table.line(*name, [Cell::from(*pattern)].into_iter().chain(measured));
     }
     let settling = Pattern::NAMES.iter().flat_map(|&(name, pattern)| {
         let label = format!("{name}, settled");
@@ -299,7 +253,7 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
         |(label, ..)| format!("cylinder on {label}"),
         |&(_, pattern, settled)| {
             let factors = directions(24).map(|degrees| factor(at(pattern, settled, degrees)));
-            factors.collect::<Result<Vec<[Real; 2]>, _>>()
+            factors.try_collect::<_, Vec<_>, _>()
         },
     );
     let measured = by_direction.iter().map(|((label, ..), found)| {
@@ -308,10 +262,8 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
     });
     let exact = by_direction.iter().map(|((label, pattern, settled), _)| {
         let by_hand = |degrees| (degrees, by_hand(&at(*pattern, *settled, degrees)));
-        Series::new(
-            &format!("{label}, exact"),
-            directions(72).map(by_hand).collect(),
-        )
+        let label = format!("{label}, exact");
+        Series::new(&label, directions(72).map(by_hand).collect())
     });
     let plot = Plot::new(
         "Energy of a cylinder, by the direction in which it bends",
@@ -320,18 +272,15 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
     );
     let plot = plot.points(measured).exact_curves(exact);
     let plot = plot.note("Quadratic model. Dashed: by hand, hinge by hinge.");
-    study.findings.plot("bending-direction", &plot);
-    study.findings.table(
+    study.plot("bending-direction", &plot);
+    study.table(
         "bending-factors",
         "Energy per area for coefficient k, over ½ k κ² (sphere: over ½ k (2κ)²)",
         table,
     );
-    let all = found
-        .iter()
-        .map(|(_, found)| found)
-        .chain(by_direction.iter().map(|(_, found)| found));
-    let apart = all
-        .flatten()
-        .map(|[expected, measured]| (measured / expected - 1.0).abs());
-    apart.fold(0.0, Real::max)
+    let all = found.iter().map(|(_, found)| found);
+    let all = all
+        .chain(by_direction.iter().map(|(_, found)| found))
+        .flatten();
+    largest(all.map(|[expected, measured]| (measured / expected - 1.0).abs()))
 }

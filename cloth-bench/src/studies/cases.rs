@@ -75,10 +75,6 @@ impl<'a> Cases<'a> {
 
     /// The result of the case `name`: of `work`, now or when it was finished. A case that falls to another run has the
     /// default value.
-    ///
-    /// # Errors
-    /// That of `work`, now or then; [`BenchError::Failed`] if the journal cannot be written, or if the name is not the
-    /// only one of its kind.
     pub fn case<T: Serialize + DeserializeOwned + Default>(
         &mut self,
         name: &str,
@@ -252,7 +248,6 @@ impl<'a> Cases<'a> {
     }
 
     /// The cases that were neither finished nor run.
-    #[must_use]
     pub fn left_out(&self) -> &[String] {
         &self.left_out
     }
@@ -290,9 +285,6 @@ impl<T, F: FnMut() -> Result<T, BenchError>> LazyCell<T, F> {
     }
 
     /// The value.
-    ///
-    /// # Errors
-    /// That of finding it, every time.
     pub(crate) fn get(&mut self) -> Result<&T, BenchError> {
         let found = self.found.get_or_insert_with(&mut self.find);
         found.as_ref().map_err(Clone::clone)

@@ -69,21 +69,12 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
-    let scenes = run_scenes(study)?;
-    let promise = study.chapter("queries", |own, now| queries::run(scope, own, now));
-    let promise = promise.map(|counts: [_; 2]| match counts {
-        [0, asked] => format!(
-            "Of {asked} queries the methods that promise to miss no contact missed none and were never late."
-        ),
-        [broken, asked] => format!(
-            "Of {asked} queries the methods that promise to miss no contact missed {broken} or were late for them."
-        ),
-    });
-    let cost = study.chapter("crumpled sheet", |own, now| crumple::run(scope, own, now));
-    let told = [Some(scenes), promise, cost];
-    let told: Vec<String> = told.into_iter().flatten().collect();
-    study.findings.section.verdict = Some(told.join(" "));
+    let told = [
+        Some(run_scenes(study)?),
+        Some(queries::run(study)),
+        crumple::run(study),
+    ];
+    study.section.verdict = Some(told.into_iter().flatten().join(" "));
     Ok(())
 }
 
@@ -105,14 +96,10 @@ fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
     let mut stepper = Method::find(method)?.build(scene, &Settings::default(), scene.dt)?;
     let mut watch = SeparationWatch::new(scene)?;
     let mut state = scene.start.clone();
-    let outcome = run::run(
-        scene,
-        &mut *stepper,
-        &mut state,
-        scene.dt,
-        steps,
-        |_, state, _| watch.look(scene, state),
-    );
+    let (dt, look) = (scene.dt, |_: u32, state: &State, _: &_| {
+        watch.look(scene, state)
+    });
+    let outcome = run::run(scene, &mut *stepper, &mut state, dt, steps, look);
     let (summary, remark) = match outcome {
         Ok(summary) => (Some(summary), String::new()),
         Err(error) => (None, error.to_string()),
@@ -199,13 +186,10 @@ fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         let ends: Vec<(&str, End)> = ends.collect();
         if !ends.is_empty() {
             let pictures = pictures(&scene, &ends)?;
-            study.findings.section.pictures.extend(pictures);
+            study.section.pictures.extend(pictures);
         }
     }
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("collision", "Scenes with contact", table);
+    study.table("collision", "Scenes with contact", &rows);
     let cells = SCENES.len() * methods().len();
     let crossed = rows
         .iter()
@@ -215,11 +199,9 @@ fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         0 => "no run was refused".to_owned(),
         refused => format!("{refused} runs ended early (see the remarks)"),
     };
-    let shares = rows
-        .iter()
-        .filter_map(|row| Some(100.0 * row.contact_ms? / row.ms_per_step?));
-    let mut shares: Vec<Real> = shares.collect();
-    let most = shares.iter().copied().fold(0.0, Real::max);
+    let share = |row: &Row| Some(100.0 * row.contact_ms? / row.ms_per_step?);
+    let mut shares = rows.iter().filter_map(share).collect_vec();
+    let most = largest(shares.iter().copied());
     Ok(format!(
         "Of {cells} runs {crossed} had a step after which triangles cross, and {refusals}. Contact takes {:.0} % of a step in the median run, and at most {most:.0} %.",
         run::median(&mut shares),

@@ -26,45 +26,12 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-fn sizes(scope: Scope) -> &'static [u32] {
-    scope.pick(&[9, 13], &[32, 64, 128])
-}
+const SIZES: [&[u32]; 2] = [&[9, 13], &[32, 64, 128]];
 
-/// A point of a curve.
-#[derive(Serialize, Default)]
-struct SampleRow {
-    n: Cell,
-    method: String,
-    /// What the point is the next value of.
-    setting: &'static str,
-    iterations: u32,
-    seconds: Real,
-    objective_error: Real,
-    gradient_error: Real,
-    /// What its curve is called.
-    #[serde(skip)]
-    curve: String,
-}
+/// A point of a curve: size, method, what the point is the next value of, and what was reached there.
+type SampleRow = (Cell, String, &'static str, Sample);
 
-impl SampleRow {
-    fn new(n: &Cell, method: &str, setting: &'static str, sample: &Sample) -> Self {
-        Self {
-            n: n.clone(),
-            method: method.to_owned(),
-            setting,
-            iterations: sample.iteration,
-            seconds: sample.seconds,
-            objective_error: sample.error.objective,
-            gradient_error: sample.error.gradient,
-            curve: match setting {
-                "substeps" => format!("{method}, substeps"),
-                _ => method.to_owned(),
-            },
-        }
-    }
-}
-
-/// A method at its default setting; a failure is counted, not dropped.
+/// A method at its default setting, by size; a failure is counted, not dropped.
 #[derive(Serialize, Default)]
 struct DefaultRow {
     n: Cell,
@@ -76,97 +43,17 @@ struct DefaultRow {
     remark: String,
 }
 
-impl DefaultRow {
-    fn new(n: &Cell, method: &'static str, sample: Option<Sample>, remark: String) -> Self {
-        Self {
-            n: n.clone(),
-            method,
-            ms_per_step: sample.map(|s| 1e3 * s.seconds),
-            iterations: sample.map(|s| s.iteration),
-            objective_error: sample.map(|s| s.error.objective),
-            gradient_error: sample.map(|s| s.error.gradient),
-            remark,
-        }
-    }
-}
-
 /// Objective errors that are asked for.
 const WANTED: [Real; 4] = [0.1, 1e-2, 1e-3, 1e-6];
 
-/// How long (ms) a method takes to the errors of [`WANTED`], if it gets there.
-#[derive(Serialize, Default)]
-struct TimesRow {
-    n: Cell,
-    method: String,
-    #[serde(rename = "ms to 1e-1")]
-    rough: Option<Real>,
-    #[serde(rename = "ms to 1e-2")]
-    visible: Option<Real>,
-    #[serde(rename = "ms to 1e-3")]
-    fair: Option<Real>,
-    #[serde(rename = "ms to 1e-6")]
-    exact: Option<Real>,
-}
-
-impl TimesRow {
-    /// From the errors and times (s) that were reached.
-    fn all(n: &Cell, reached: &[(String, Real, Real)]) -> Vec<Self> {
-        let mut rows: Vec<Self> = Vec::new();
-        for (name, ..) in reached {
-            if rows.iter().any(|row| row.method == *name) {
-                continue;
-            }
-            let [rough, visible, fair, exact] = WANTED.map(|wanted| {
-                let own = reached.iter().filter(|(other, ..)| other == name);
-                let there = own.filter(|(_, error, _)| *error <= wanted);
-                let seconds = there.map(|(.., seconds)| 1e3 * seconds);
-                seconds.min_by(Real::total_cmp)
-            });
-            rows.push(Self {
-                n: n.clone(),
-                method: name.clone(),
-                rough,
-                visible,
-                fair,
-                exact,
-            });
-        }
-        rows
-    }
-}
-
-/// After how many iterations a method first has the errors of [`WANTED`], if it gets there: the same on every machine.
-#[derive(Serialize, Default)]
-struct IterationsRow {
-    n: Cell,
-    method: String,
-    #[serde(rename = "iterations to 1e-1")]
-    rough: Option<u32>,
-    #[serde(rename = "iterations to 1e-2")]
-    visible: Option<u32>,
-    #[serde(rename = "iterations to 1e-3")]
-    fair: Option<u32>,
-    #[serde(rename = "iterations to 1e-6")]
-    exact: Option<u32>,
-}
-
-impl IterationsRow {
-    fn new(n: &Cell, method: &str, trace: &[Sample]) -> Self {
-        let [rough, visible, fair, exact] = WANTED.map(|wanted| {
-            let mut there = trace
-                .iter()
-                .filter(|sample| sample.error.objective <= wanted);
-            there.next().map(|sample| sample.iteration)
-        });
-        Self {
-            n: n.clone(),
-            method: method.to_owned(),
-            rough,
-            visible,
-            fair,
-            exact,
-        }
-    }
+/// Columns of a size, a method, and what it takes to each of them.
+fn columns(of: &str) -> Vec<String> {
+    let taken = WANTED.map(|wanted| format!("{of} to {wanted:e}"));
+    ["n", "method"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(taken)
+        .collect()
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
@@ -174,7 +61,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let (mut samples, mut defaults) = (Vec::new(), Vec::new());
     let mut fastest = Table::about("at", WANTED.map(|wanted| format!("to {wanted:e}")));
     let (mut times, mut iterations) = (Vec::new(), Vec::new());
-    let sheets = TestSheet::of_study(&study.cases, sizes(scope))?;
+    let sheets = TestSheet::of_study(&study.cases, scope.of(SIZES))?;
     for sheet in &sheets {
         let TestSheet {
             name, size, scene, ..
@@ -201,32 +88,33 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 repeated(problem.get()?, &mut *solver, 3)
             },
         );
-        let row = |(variant, trace): &(Variant, Vec<Sample>)| {
-            IterationsRow::new(size, &variant.label, trace)
-        };
-        iterations.extend(traces.iter().map(row));
-        let row = |label: &str, sample| SampleRow::new(size, label, "iterations", sample);
-        let traced = traces.iter().flat_map(|(variant, trace)| {
-            trace.iter().map(move |sample| row(&variant.label, sample))
-        });
+        // After how many iterations a method first has the errors, if it gets there: the same on every machine.
+        iterations.extend(traces.iter().map(|(variant, trace)| {
+            let first = |wanted| trace.iter().find(|sample| sample.error.objective <= wanted);
+            let counts = WANTED.map(|wanted| Some(first(wanted)?.iteration));
+            (size.clone(), variant.label.clone(), counts)
+        }));
         let row =
-            |(method, _): &(&str, u32), sample| SampleRow::new(size, method, "substeps", sample);
-        let cut_up = steps.iter().map(|(at, sample)| row(at, sample));
+            |method: &str, setting, sample| (size.clone(), method.to_owned(), setting, sample);
+        let traced = traces.iter().flat_map(|(variant, trace)| {
+            trace
+                .iter()
+                .map(move |sample| row(&variant.label, "iterations", *sample))
+        });
+        let cut_up = steps
+            .iter()
+            .map(|((method, _), sample)| row(method, "substeps", *sample));
         let rows: Vec<SampleRow> = traced.chain(cut_up).collect();
-        draw(sheet, &rows, &mut study.findings);
-        let reached = rows.iter().map(|row| {
-            let by = if row.setting == "substeps" {
+        draw(sheet, &rows, study);
+        let reached = rows.iter().map(|(_, method, setting, sample)| {
+            let by = if *setting == "substeps" {
                 " by substeps"
             } else {
                 ""
             };
-            (
-                format!("{}{by}", row.method),
-                row.objective_error,
-                row.seconds,
-            )
+            (format!("{method}{by}"), *sample)
         });
-        let mut reached: Vec<(String, Real, Real)> = reached.collect();
+        let mut reached = reached.collect_vec();
         for method in method::all().filter(|method| method.aims_at_implicit_euler()) {
             let case = format!("{} at its default, {name}", method.name);
             let sample = study.cases.case(&case, || {
@@ -234,18 +122,38 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 repeated(problem.get()?, &mut *solver, 5)
             });
             let remark = remark(&sample);
-            if let Ok(sample) = &sample {
-                let label = format!("{}, default", method.name);
-                reached.push((label, sample.error.objective, sample.seconds));
-            }
-            defaults.push(DefaultRow::new(size, method.name, sample.ok(), remark));
+            let sample = sample.ok();
+            reached.extend(sample.map(|sample| (format!("{}, default", method.name), sample)));
+            defaults.push(DefaultRow {
+                n: size.clone(),
+                method: method.name,
+                ms_per_step: sample.map(|s| 1e3 * s.seconds),
+                iterations: sample.map(|s| s.iteration),
+                objective_error: sample.map(|s| s.error.objective),
+                gradient_error: sample.map(|s| s.error.gradient),
+                remark,
+            });
         }
-        fastest.line(Cell::said(name.as_str()), fastest_to(&reached));
-        times.extend(TimesRow::all(size, &reached));
+        let points = reached
+            .iter()
+            .map(|(label, s)| (&**label, s.error.objective, 1e3 * s.seconds));
+        let first = WANTED.map(|wanted| fastest_to(wanted, points.clone()));
+        fastest.line(Cell::said(name.as_str()), first);
+        // How long (ms) each takes to the errors, if it gets there.
+        times.extend(reached.iter().map(|(name, _)| name).unique().map(|name| {
+            let ms = WANTED.map(|wanted| {
+                let own = reached.iter().filter(|(other, _)| other == name);
+                let there = own.filter(|(_, sample)| sample.error.objective <= wanted);
+                there
+                    .map(|(_, sample)| 1e3 * sample.seconds)
+                    .min_by(Real::total_cmp)
+            });
+            (size.clone(), name.clone(), ms)
+        }));
         samples.extend(rows);
     }
     let what = sheets[0].what();
-    study.findings.answer(
+    study.answer(
         "Which method at which error and size?",
         format!(
             "The fastest to each error, (G − G*)/(G(x̃) − G*), of one implicit Euler step of {what}:"
@@ -254,40 +162,29 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         &format!("figure-convergence-objective-time-{}", sheets[0].file),
     );
     let largest = sheets.last();
-    study.findings.section.verdict = largest.and_then(|largest| verdict(&defaults, largest));
-    study.findings.table(
+    study.section.verdict = largest.and_then(|largest| verdict(&defaults, largest));
+    study.table(
         "convergence-defaults",
         &format!("Every method at its default setting: one step of {what}"),
-        Table::of(&defaults),
+        &defaults,
     );
-    study.findings.table(
-        "convergence-times",
-        &format!(
-            "How long each way takes to an objective error, from the inertial prediction: one step of {what}"
-        ),
-        Table::of(&times),
+    let ending = format!(
+        "each way takes to an objective error, from the inertial prediction: one step of {what}"
     );
-    study.findings.table(
+    let table = Table::named(&columns("ms"), &times);
+    study.table("convergence-times", &format!("How long {ending}"), table);
+    let table = Table::named(&columns("iterations"), &iterations);
+    study.table(
         "convergence-iterations",
-        &format!("How many iterations each way takes to an objective error, from the inertial prediction: one step of {what}"),
-        Table::of(&iterations),
+        &format!("How many iterations {ending}"),
+        table,
     );
-    study.findings.data("convergence", Table::of(&samples));
-    let of_fall = sheets
-        .iter()
-        .rfind(|sheet| sheet.scene.start.positions.len() <= 64 * 64);
-    half_a_second(study, of_fall.unwrap_or(&sheets[0]))
-}
-
-/// Who is the first at each error, and when; from names, errors and times (s).
-fn fastest_to(reached: &[(String, Real, Real)]) -> [Cell; 4] {
-    WANTED.map(|wanted| {
-        let there = reached.iter().filter(|(_, error, _)| *error <= wanted);
-        let first = there.min_by(|a, b| a.2.total_cmp(&b.2));
-        first.map_or(Cell::said("nobody"), |(label, _, seconds)| {
-            Cell::said(format!("{label}: {} ms", two(1e3 * seconds)))
-        })
-    })
+    study.data(
+        "convergence",
+        Table::named(&["n", "method", "setting"], &samples),
+    );
+    let is_shown = |sheet: &&TestSheet| sheet.scene.start.positions.len() <= 64 * 64;
+    half_a_second(study, sheets.iter().rfind(is_shown).unwrap_or(&sheets[0]))
 }
 
 /// Time (s) after which a step is not repeated any more.
@@ -319,10 +216,8 @@ fn thinned(mut trace: Vec<Sample>) -> Vec<Sample> {
     let mut wanted = WANTED.into_iter().peekable();
     trace.retain(|sample| {
         let mut keep = Real::from(sample.iteration) >= next;
-        while wanted
-            .next_if(|wanted| sample.error.objective <= *wanted)
-            .is_some()
-        {
+        let is_reached = |wanted: &Real| sample.error.objective <= *wanted;
+        while wanted.next_if(is_reached).is_some() {
             keep = true;
         }
         if keep {
@@ -334,33 +229,41 @@ fn thinned(mut trace: Vec<Sample>) -> Vec<Sample> {
 }
 
 /// Curves of one size: objective and gradient, against iterations and against time.
-fn draw(sheet: &TestSheet, rows: &[SampleRow], findings: &mut Findings) {
-    let objective = (
-        "objective",
-        "Objective error",
-        "(G − G*)/(G(x̃) − G*) (dimensionless)",
-    );
-    let gradient = ("gradient", "Gradient", "‖∇G‖/‖∇G(x̃)‖ (dimensionless)");
-    let iterations = ("iterations", "iterations", "iterations (dimensionless)");
-    let time = ("time", "time", "time (ms)");
-    for (of, title, y) in [objective, gradient] {
-        for (against, words, x) in [iterations, time] {
-            let point = |row: &SampleRow| {
-                let x = match against {
-                    "time" => 1e3 * row.seconds,
-                    _ => Real::from(row.iterations),
-                };
-                let y = match of {
-                    "objective" => row.objective_error,
-                    _ => row.gradient_error,
-                };
-                (row.curve.clone(), (x, y))
+fn draw(sheet: &TestSheet, rows: &[SampleRow], study: &mut StudyRun<'_>) {
+    type Of = fn(&Sample) -> Real;
+    let objective: Of = |sample| sample.error.objective;
+    let gradient: Of = |sample| sample.error.gradient;
+    let iterations: Of = |sample| Real::from(sample.iteration);
+    let time: Of = |sample| 1e3 * sample.seconds;
+    let errors = [
+        (
+            "objective",
+            "Objective error",
+            "(G − G*)/(G(x̃) − G*) (dimensionless)",
+            objective,
+        ),
+        (
+            "gradient",
+            "Gradient",
+            "‖∇G‖/‖∇G(x̃)‖ (dimensionless)",
+            gradient,
+        ),
+    ];
+    let efforts = [
+        ("iterations", "iterations (dimensionless)", iterations),
+        ("time", "time (ms)", time),
+    ];
+    for ((of, title, y, error), (against, x, effort)) in iproduct!(errors, efforts) {
+        let curves = curves(rows, |(_, method, setting, sample)| {
+            let label = match *setting {
+                "substeps" => format!("{method}, substeps"),
+                _ => method.clone(),
             };
-            let title = format!("{title} against {words}, {}", sheet.which());
-            let plot = Plot::new(title, Axis::log(x), Axis::log(y)).with(curves(rows, point));
-            let name = format!("convergence-{of}-{against}-{}", sheet.file);
-            findings.plot(&name, &plot);
-        }
+            (label, (effort(sample), error(sample)))
+        });
+        let title = format!("{title} against {against}, {}", sheet.which());
+        let plot = Plot::new(title, Axis::log(x), Axis::log(y)).with(curves);
+        study.plot(&format!("convergence-{of}-{against}-{}", sheet.file), &plot);
     }
 }
 
@@ -424,8 +327,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         let outcome = study.cases.case(&case, || {
             let settings = Settings::default();
             let (steps, dt) = (HALF_A_SECOND, scene.dt);
-            let (summary, end) =
-                run::from_start(scene, method, &settings, dt, steps, |_, _, _| Ok(()))?;
+            let (summary, end) = run::simulate(scene, method, &settings, dt, steps)?;
             let positions = end.positions.into_iter().map(Into::into).collect();
             Ok(Fallen { summary, positions })
         });
@@ -439,9 +341,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
             fall: of(|s| s.center_of_mass_drop),
             largest_stretch: of(|s| s.max_stretch),
             rms_strain: of(|s| s.rms_strain),
-            crossing_pairs: fallen
-                .as_ref()
-                .and_then(|fallen| fallen.summary.intersections),
+            crossing_pairs: fallen.as_ref().and_then(|f| f.summary.intersections),
             remark,
         });
         if let Some(fallen) = fallen.filter(|fallen| !fallen.positions.is_empty()) {
@@ -465,7 +365,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
             true => "XPBD: with as many sweeps it is nearer to the converged fall",
             false => "PBD here: with as many sweeps it is nearer to the converged fall",
         };
-        study.findings.answer(
+        study.answer(
             "PBD or XPBD?",
             format!(
                 "{better}. XPBD's stiffness is that of the material as soon as the sweeps suffice, PBD's is not. {} after {duration:.2} s, both with 20 sweeps a step:",
@@ -478,9 +378,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
     let caption = format!(
         "After {duration:.2} s ({HALF_A_SECOND} steps) of {which}: stretch alone misleads, so the fall stands beside it"
     );
-    study
-        .findings
-        .table("hang-half-a-second", &caption, Table::of(&rows));
+    study.table("hang-half-a-second", &caption, &rows);
     if let Some(mesh) = &scene.mesh {
         let everything = sheets.iter().flat_map(|(_, positions)| positions).copied();
         let view = View {
@@ -493,7 +391,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         };
         for (method, positions) in &sheets {
             let cloth = Surface::cloth(positions, mesh.triangles());
-            study.findings.section.pictures.push(Picture {
+            study.section.pictures.push(Picture {
                 png: render(&[cloth], &view)?,
                 caption: format!("{method} after {duration:.2} s"),
             });

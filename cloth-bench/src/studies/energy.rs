@@ -21,26 +21,11 @@ const SAMPLES: u32 = 100;
 /// Angular frequency (1/s) of the oscillator: period 1 s.
 const OMEGA: Real = std::f64::consts::TAU;
 
-/// A sheet and a step.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-struct Setting {
-    vertices_a_side: u32,
-    steps_per_second: u32,
-}
-
-const fn setting(vertices_a_side: u32, steps_per_second: u32) -> Setting {
-    Setting {
-        vertices_a_side,
-        steps_per_second,
-    }
-}
-
-const QUICK: &[Setting] = &[setting(5, 60)];
-const FULL: &[Setting] = &[setting(17, 60), setting(9, 60), setting(9, 240)];
-
-fn settings(scope: Scope) -> &'static [Setting] {
-    scope.pick(QUICK, FULL)
-}
+/// Vertices a side of a sheet, and steps per second.
+type Setting = (u32, u32);
+const SETTINGS: [&[Setting]; 2] = [&[(5, 60)], &[(17, 60), (9, 60), (9, 240)]];
+/// What they are called as columns.
+const COLUMNS: [&str; 2] = ["vertices a side", "steps per second"];
 
 /// Label, method, tolerance.
 type Solver = (String, &'static str, Option<Real>);
@@ -74,14 +59,12 @@ impl Kept {
     }
 
     /// Largest changes of linear and of angular momentum.
-    #[must_use]
     pub fn drift(&self) -> [Real; 2] {
-        let largest = |all: &Vec<Number>| all.iter().map(|one| one.0).fold(0.0, Real::max);
-        self.momenta.each_ref().map(largest)
+        let momenta = self.momenta.each_ref();
+        momenta.map(|changes| largest(changes.iter().map(|change| change.0)))
     }
 
     /// Fraction of the energy that is left after ten seconds.
-    #[must_use]
     pub fn left(&self, floor: Real) -> Real {
         self.share(SAMPLES as usize, floor)
     }
@@ -103,9 +86,6 @@ fn over_seconds(label: &str, values: impl Iterator<Item = Real>) -> Series {
 }
 
 /// Follows a method for ten seconds. Energy that the centre of mass carries is left out where the scene has no gravity.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn follow(
     scene: &Scene,
     name: &str,
@@ -159,9 +139,6 @@ pub fn follow(
 }
 
 /// A mass of 1 kg on a spring that is pulled by a tenth of its length.
-///
-/// # Errors
-/// [`BenchError`] of a scene that cannot be built.
 pub fn oscillator() -> Result<Scene, BenchError> {
     let settings = Settings::default()
         .with("n", 1)
@@ -175,16 +152,12 @@ pub fn oscillator() -> Result<Scene, BenchError> {
 }
 
 /// What the oscillator keeps of its energy, where a closed form says so.
-#[must_use]
 pub fn exact(method: &Method, substeps: u32, steps_per_second: u32) -> Option<Real> {
     let count = SECONDS * Real::from(steps_per_second) * Real::from(substeps);
     method.kept_by_an_oscillator(OMEGA * SECONDS / count, count)
 }
 
 /// A sheet that flies freely, turns, and shakes.
-///
-/// # Errors
-/// [`BenchError`] of a scene that cannot be built.
 pub fn free(n: u32) -> Result<Scene, BenchError> {
     let settings = Settings::of(&format!("n={n} stiffness=1e3 gravity=0"));
     let mut scene = scene::build("drop", None, &settings)?;
@@ -226,7 +199,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let law = oscillators(study)?;
     let (kept, momentum) = free_sheets(study)?;
     let left = held_sheets(study)?;
-    study.findings.section.verdict = Some(format!("{law} {kept} {momentum} {left}"));
+    study.section.verdict = Some(format!("{law} {kept} {momentum} {left}"));
     Ok(())
 }
 
@@ -270,16 +243,13 @@ fn oscillators(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         let times = (0..=50).map(|k| 0.2 * Real::from(k));
         times.map(move |time| (time, (1.0 + z * z).powf(sign * time * Real::from(RATE))))
     };
-    let plot = over_time("Energy of one oscillator of 1 s, steps of 1/60 s").with(curves);
-    let plot = plot
+    let plot = over_time("Energy of one oscillator of 1 s, steps of 1/60 s")
+        .with(curves)
         .exact("(1 + z²)^−n", exact(-1.0))
         .exact("1", exact(0.0));
-    study.findings.plot("energy-oscillator", &plot);
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("energy-oscillator", "One oscillator", table);
-    let worst = rows.iter().filter_map(|row| row.error).fold(0.0, Real::max);
+    study.plot("energy-oscillator", &plot);
+    study.table("energy-oscillator", "One oscillator", &rows);
+    let worst = largest(rows.iter().filter_map(|row| row.error));
     Ok(format!(
         "One oscillator keeps what the closed forms say to {worst:.0e}."
     ))
@@ -292,17 +262,18 @@ fn over_time(title: &str) -> Plot {
     )
 }
 
-fn name_of(setting: Setting) -> String {
-    format!(
-        "{0} × {0} vertices, 1/{1} s",
-        setting.vertices_a_side, setting.steps_per_second
-    )
+fn name_of((n, rate): Setting) -> String {
+    format!("{n} × {n} vertices, 1/{rate} s")
 }
 
 /// The names of all methods on the first sheet, and what they keep there.
-fn told<'a>(of_first: impl Iterator<Item = (&'a String, Real)>) -> String {
-    let told = of_first.map(|(label, share)| format!("{label} {}", significant(share, 3)));
-    told.collect::<Vec<_>>().join(", ")
+fn told<R>(rows: &[(Setting, R)], of: fn(&R) -> (&String, Real)) -> String {
+    let of_first = rows.iter().filter(|((n, _), _)| *n == rows[0].0.0);
+    let mut told = of_first.map(|(_, row)| {
+        let (label, share) = of(row);
+        format!("{label} {}", significant(share, 3))
+    });
+    told.join(", ")
 }
 
 #[derive(Default, Serialize)]
@@ -318,24 +289,21 @@ struct FreeRow {
 /// What the free sheets keep, and what of the momenta; as sentences.
 fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError> {
     let mut rows: Vec<(Setting, FreeRow)> = Vec::new();
-    let settings = settings(study.scope);
-    for &setting in settings {
-        let scene = free(setting.vertices_a_side)?;
+    for &setting in study.scope.of(SETTINGS) {
+        let (n, rate) = setting;
+        let scene = free(n)?;
         let mut found = study.grid_side_by_side(
             methods(),
             |(label, ..)| format!("free, {}, {label}", name_of(setting)),
-            |&(_, name, tolerance)| follow(&scene, name, tolerance, setting.steps_per_second),
+            |&(_, name, tolerance)| follow(&scene, name, tolerance, rate),
         );
         found.retain(|(_, kept)| kept.is_whole());
         let title = format!("A free sheet, {}", name_of(setting));
         let curves = found
             .iter()
             .map(|((label, ..), kept)| kept.curve(label, 0.0));
-        let name = format!(
-            "energy-free-{}-{}",
-            setting.vertices_a_side, setting.steps_per_second
-        );
-        study.findings.plot(&name, &over_time(&title).with(curves));
+        let name = format!("energy-free-{n}-{rate}");
+        study.plot(&name, &over_time(&title).with(curves));
         for (place, momentum) in ["linear", "angular"].into_iter().enumerate() {
             let curves = found.iter().map(|((label, ..), kept)| {
                 let mut curve =
@@ -349,7 +317,7 @@ fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError>
             let plot = Plot::new(format!("{title}: {momentum} momentum"), seconds, change)
                 .with(curves)
                 .note("No force acts from outside. What stays below 1e-9 is rounding, of many steps and substeps.");
-            study.findings.plot(&format!("{name}-{momentum}"), &plot);
+            study.plot(&format!("{name}-{momentum}"), &plot);
         }
         rows.extend(found.into_iter().map(|((method, ..), kept)| {
             // A sheet that has gained energy moves faster, and rounds as much more.
@@ -366,41 +334,25 @@ fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError>
             (setting, row)
         }));
     }
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("energy-free", "A free sheet for 10 s", table);
-    let of_first = rows
-        .iter()
-        .filter(|(setting, _)| setting.vertices_a_side == settings[0].vertices_a_side);
-    let kept = told(of_first.map(|(_, row)| (&row.method, row.energy_kept)));
-    let linear = rows
-        .iter()
-        .map(|(_, row)| row.change_of_linear_momentum)
-        .fold(0.0, Real::max);
+    let table = Table::named(&COLUMNS, &rows);
+    study.table("energy-free", "A free sheet for 10 s", table);
+    let kept = told(&rows, |row| (&row.method, row.energy_kept));
+    let linear = largest(rows.iter().map(|(_, row)| row.change_of_linear_momentum));
     let linear = if linear < ROUNDING {
         format!("All keep linear momentum to rounding ({linear:.0e})")
     } else {
         format!("Linear momentum is NOT kept by all: it changes by {linear:.0e}")
     };
     let (exact, others): (Vec<_>, Vec<_>) = rows.iter().partition(|(_, row)| row.keeps_angular);
-    let angular = others
-        .iter()
-        .map(|(_, row)| row.change_of_angular_momentum)
-        .fold(0.0, Real::max);
+    let angular = largest(others.iter().map(|(_, row)| row.change_of_angular_momentum));
     // Those that keep it on every sheet, each once.
-    let mut always: Vec<&str> = Vec::new();
-    for (_, row) in exact {
-        let is_always = others.iter().all(|(_, other)| other.method != row.method);
-        if is_always && !always.contains(&row.method.as_str()) {
-            always.push(&row.method);
-        }
-    }
+    let is_always = |method: &&String| others.iter().all(|(_, other)| other.method != **method);
+    let always = exact.iter().map(|(_, row)| &row.method);
+    let always = always.filter(is_always).unique().join(" and ");
     Ok((
         format!("Of the energy of a free sheet is left after 10 s: {kept}."),
         format!(
-            "{linear}; angular momentum is kept to 1e-9, of what the motion has grown to, by {} alone, the others change it by up to {angular:.0e}.",
-            always.join(" and ")
+            "{linear}; angular momentum is kept to 1e-9, of what the motion has grown to, by {always} alone, the others change it by up to {angular:.0e}."
         ),
     ))
 }
@@ -417,52 +369,36 @@ struct HeldRow {
 
 fn held_sheets(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let mut rows: Vec<(Setting, HeldRow)> = Vec::new();
-    let settings = settings(study.scope);
-    for &setting in settings {
-        let scene = held(setting.vertices_a_side)?;
+    for &setting in study.scope.of(SETTINGS) {
+        let (n, rate) = setting;
+        let scene = held(n)?;
         let mut found = study.grid_side_by_side(
             methods(),
             |(label, ..)| format!("held, {}, {label}", name_of(setting)),
             |&(_, name, tolerance)| {
-                let kept = follow(&scene, name, tolerance, setting.steps_per_second)?;
+                let kept = follow(&scene, name, tolerance, rate)?;
                 Ok((kept, at_rest(&scene)?))
             },
         );
         found.retain(|(_, (kept, _))| kept.is_whole());
-        let curve =
-            |((label, ..), (kept, floor)): &(Solver, (Kept, Number))| kept.curve(label, floor.0);
-        let curves: Vec<Series> = found.iter().map(curve).collect();
-        rows.extend(found.into_iter().zip(&curves).map(
-            |(((method, ..), (kept, floor)), curve)| {
-                let most = curve
-                    .points
-                    .iter()
-                    .map(|point| point.1)
-                    .fold(0.0, Real::max);
-                let energy_left = kept.left(floor.0);
-                (
-                    setting,
-                    HeldRow {
-                        method,
-                        energy_left,
-                        most,
-                    },
-                )
-            },
-        ));
+        let curves = found
+            .iter()
+            .map(|((label, ..), (kept, floor))| kept.curve(label, floor.0));
+        let curves = curves.collect_vec();
+        for (((method, ..), (kept, floor)), curve) in found.into_iter().zip(&curves) {
+            let row = HeldRow {
+                method,
+                energy_left: kept.left(floor.0),
+                most: largest(curve.points.iter().map(|point| point.1)),
+            };
+            rows.push((setting, row));
+        }
         let title = format!("A held sheet, {}", name_of(setting));
-        let name = format!(
-            "energy-held-{}-{}",
-            setting.vertices_a_side, setting.steps_per_second
-        );
-        study.findings.plot(&name, &over_time(&title).with(curves));
+        let name = format!("energy-held-{n}-{rate}");
+        study.plot(&name, &over_time(&title).with(curves));
     }
-    let table = Table::of(&rows);
-    let caption = "A sheet held at two corners for 10 s";
-    study.findings.table("energy-held", caption, table);
-    let of_first = rows
-        .iter()
-        .filter(|(setting, _)| setting.vertices_a_side == settings[0].vertices_a_side);
-    let left = told(of_first.map(|(_, row)| (&row.method, row.energy_left)));
+    let table = Table::named(&COLUMNS, &rows);
+    study.table("energy-held", "A sheet held at two corners for 10 s", table);
+    let left = told(&rows, |row| (&row.method, row.energy_left));
     Ok(format!("Of what a held sheet can lose is left: {left}."))
 }

@@ -42,9 +42,7 @@ fn meshes_and_steps(scope: Scope) -> MeshesAndSteps {
 }
 
 /// Vertices a side and steps per second of the converged value.
-fn finest(scope: Scope) -> (u32, u32) {
-    scope.pick((17, 240), (64, 480))
-}
+const FINEST: [(u32, u32); 2] = [(17, 240), (64, 480)];
 
 /// Where a sheet is after half a second.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -55,23 +53,13 @@ pub struct Fallen {
 }
 
 /// Half a second of the hanging sheet with so many vertices a side, by a method with so many steps a second.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn fall(name: &str, n: u32, rate: u32) -> Result<Fallen, BenchError> {
     let settings = Settings::default().with("n", n).with("modulus", 1e4);
     let scene = scene::build("hang", None, &settings)?;
     let dt = 1.0 / Real::from(rate);
     let steps = (SECONDS * Real::from(rate)).round() as u32;
     let method = Method::find(name)?;
-    let (end, _) = run::from_start(
-        &scene,
-        method,
-        &Settings::default(),
-        dt,
-        steps,
-        |_, _, _| Ok(()),
-    )?;
+    let (end, _) = run::simulate(&scene, method, &Settings::default(), dt, steps)?;
     Ok(Fallen {
         fall: Number(end.center_of_mass_drop),
         strain: Number(end.rms_strain),
@@ -90,21 +78,15 @@ struct Compared {
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let lopsided = order::run(study)?;
-    let (n, rate) = finest(study.scope);
+    let (n, rate) = study.scope.of(FINEST);
     // Everything else is relative to it.
     let Some(converged) = study.case("converged", || fall("bdf2", n, rate)) else {
         return Ok(());
     };
     let grid = meshes_and_steps(study.scope);
-    let found = study.grid_side_by_side(
-        grid.points(&methods()),
-        |Point {
-             method,
-             vertices_a_side: n,
-             steps_per_second: rate,
-         }| { format!("{method}, {n} vertices a side, 1/{rate} s") },
-        |point| fall(point.method, point.vertices_a_side, point.steps_per_second),
-    );
+    let found = study.grid_side_by_side(grid.points(&methods()), Point::to_string, |point| {
+        fall(point.method, point.vertices_a_side, point.steps_per_second)
+    });
     let compared = |(point, Fallen { fall, strain })| {
         let compared = Compared {
             fall: fall.0,
@@ -135,23 +117,24 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         ("strain", grid.plot_by_size(after, strain, &strains)),
     ] {
         let plot = plot.note("1 is the converged value.");
-        study.findings.plot(&format!("independence-{name}"), &plot);
+        study.plot(&format!("independence-{name}"), &plot);
     }
-    let told = methods().into_iter().map(|method| {
+    let mut told = methods().into_iter().map(|method| {
         let [by_size, by_step] = grid.ranges(method, &falls);
         let [strain, _] = grid.ranges(method, &strains);
         format!(
             "{method} falls {by_size} of the converged way over all resolutions and {by_step} over all steps, at {strain} times the strain",
         )
     });
-    study.findings.section.verdict = Some(format!(
+    study.section.verdict = Some(format!(
         "Converged, the sheet falls {} m in 0.5 s. {}. {lopsided}",
         significant(converged.fall.0, 4),
-        told.collect::<Vec<_>>().join("; ")
+        told.join("; ")
     ));
-    let caption = "The same cloth on every mesh, with every step";
-    study
-        .findings
-        .table("independence", caption, Table::of(&rows));
+    study.table(
+        "independence",
+        "The same cloth on every mesh, with every step",
+        &rows,
+    );
     Ok(())
 }

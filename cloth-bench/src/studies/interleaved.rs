@@ -24,9 +24,6 @@ pub struct Interleaved<const N: usize> {
 ///
 /// What slows the machine for a while slows a whole round, and so leaves the ratios within it alone. Of shortest times,
 /// each may come from another while.
-///
-/// # Errors
-/// The first of `time`.
 pub fn interleaved<const N: usize>(
     least: Real,
     mut time: impl FnMut(usize) -> Result<Real, BenchError>,

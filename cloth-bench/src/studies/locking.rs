@@ -43,13 +43,13 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     remedies::run(study);
     let by_method = methods::run(study);
     let drapes = sphere::run(study);
-    study.findings.answer(
+    study.answer(
         "Which folds does the mesh allow?",
         allowed(as_counted, &folds),
         None,
         "figure-locking-fold",
     );
-    study.findings.section.verdict = Some(format!(
+    study.section.verdict = Some(format!(
         "{} {by_method}",
         verdict(as_counted, &cones, &folds, &drapes)
     ));

@@ -1,6 +1,7 @@
 //! The same cloth on several meshes and with several steps, beside a converged value.
 
 use crate::studies::prelude::*;
+use std::fmt;
 
 /// Steps per second at which meshes are compared.
 pub(super) const RATE: u32 = 60;
@@ -29,6 +30,13 @@ impl Point {
     }
 }
 
+impl fmt::Display for Point {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [n, rate] = [self.vertices_a_side, self.steps_per_second];
+        write!(f, "{}, {n} vertices a side, 1/{rate} s", self.method)
+    }
+}
+
 /// A value of a method at a point over the converged one: among meshes, and among steps.
 pub(super) type OverConverged = (Point, [Real; 2]);
 
@@ -37,15 +45,12 @@ impl MeshesAndSteps {
         let others = self.rates.iter().filter(|&&rate| rate != RATE);
         let sizes = self.sizes.iter().map(|&n| (n, RATE));
         let grid = sizes.chain(others.map(|&rate| (self.middle, rate)));
-        let of_method = |&method| {
-            grid.clone()
-                .map(move |(vertices_a_side, steps_per_second)| Point {
-                    method,
-                    vertices_a_side,
-                    steps_per_second,
-                })
+        let point = |(&method, (vertices_a_side, steps_per_second))| Point {
+            method,
+            vertices_a_side,
+            steps_per_second,
         };
-        methods.iter().flat_map(of_method).collect()
+        iproduct!(methods, grid).map(point).collect()
     }
 
     /// Those of some rows that compare meshes.

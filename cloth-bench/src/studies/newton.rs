@@ -33,16 +33,13 @@ pub(super) const STUDY: Study = Study {
 };
 
 /// Vertices a side.
-fn sides(scope: Scope) -> &'static [u32] {
-    scope.pick(&[9, 13], &[32, 64, 128, 256])
-}
+const SIDES: [&[u32]; 2] = [&[9, 13], &[32, 64, 128, 256]];
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
     let mut parts = parts::Parts::default();
     let mut solvers = solvers::Solvers::default();
     let mut conditions = Vec::new();
-    for &side in sides(scope) {
+    for &side in study.scope.of(SIDES) {
         let name = format!("{side} × {side}");
         let found = study.cases.parts(&name, |progress| {
             progress(&format!("newton: {side} × {side}, parts of an iteration"));
@@ -52,8 +49,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             let of_solvers = solvers::Solvers::of(side, &system)?;
             Ok((of_parts, of_solvers, steps::conditions(&system)?))
         });
-        if let Some((of_parts, of_solvers, condition)) = study.findings.unless_failed(&name, found)
-        {
+        if let Some((of_parts, of_solvers, condition)) = study.unless_failed(&name, found) {
             parts.append(of_parts);
             solvers.append(of_solvers);
             conditions.push((side, condition));
@@ -65,7 +61,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let fourth = convexity::run(study);
     let fifth = study.chapter("overshoot", |findings, _| overshoot::draw(findings));
     let fifth = fifth.unwrap_or_default();
-    study.findings.section.verdict = Some(format!("{third} {first} {second} {fourth} {fifth}"));
+    study.section.verdict = Some(format!("{third} {first} {second} {fourth} {fifth}"));
     Ok(())
 }
 
@@ -102,17 +98,16 @@ impl System {
             matrix: BlockMatrix::zeros(assembly.pattern().clone()),
             assembly,
             is_free: (0..count).map(|v| !particles.is_prescribed(v)).collect(),
-            gradient: vec![Vec3::zeros(); count],
+            gradient: Vec::new(),
             scene,
             energies,
             state,
             predicted,
         };
         system.assemble();
-        let mut gradient = std::mem::take(&mut system.gradient);
-        system
-            .potential()
-            .gradient_into(&system.state.positions, &mut gradient);
+        let mut gradient = vec![Vec3::zeros(); count];
+        let x = &system.state.positions;
+        system.potential().gradient_into(x, &mut gradient);
         system.gradient = gradient;
         Ok(system)
     }
@@ -137,6 +132,15 @@ impl System {
     }
 }
 
+/// The time of [`seconds`] of work that can fail.
+fn tried<T, E: Into<BenchError>>(
+    mut work: impl FnMut() -> Result<T, E>,
+) -> Result<Real, BenchError> {
+    let mut outcome = Ok(());
+    let time = seconds(|| outcome = work().map(drop));
+    outcome.map(|()| time).map_err(Into::into)
+}
+
 /// Median time (s) of some runs, the first not counted: half a second's worth, but three to fifty, or one of something
 /// slow.
 fn seconds(mut work: impl FnMut()) -> Real {
@@ -145,12 +149,10 @@ fn seconds(mut work: impl FnMut()) -> Real {
     let first = started.elapsed().as_secs_f64();
     let least = if first < 1.5 { 3.0 } else { 1.0 };
     let runs = (0.5 / first).clamp(least, 50.0) as usize;
-    let mut times: Vec<Real> = (0..runs)
-        .map(|_| {
-            let started = Instant::now();
-            work();
-            started.elapsed().as_secs_f64()
-        })
-        .collect();
-    median(&mut times)
+    let timed = |_| {
+        let started = Instant::now();
+        work();
+        started.elapsed().as_secs_f64()
+    };
+    median(&mut (0..runs).map(timed).collect_vec())
 }

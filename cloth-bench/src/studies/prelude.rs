@@ -2,16 +2,17 @@
 
 pub(super) use super::study_run::StudyRun;
 pub(super) use super::variants::{Variant, iterating_own};
-pub(super) use super::{Cases, Findings, Scope, Study};
+pub(super) use super::{Cases, Findings, Scope, Study, fastest_to};
 pub(super) use crate::error::BenchError;
 pub(super) use crate::journal::Number;
 pub(super) use crate::method::{self, Method};
 pub(super) use crate::report::plot::{Axis, Plot, Series, Style, curves};
 pub(super) use crate::report::table::{Cell, Table, percent, significant, two};
-pub(super) use crate::run;
+pub(super) use crate::run::{self, largest};
 pub(super) use crate::scene::{self, Scene};
 pub(super) use crate::settings::Settings;
 pub(super) use cloth_core::math::{Real, Vec3};
 pub(super) use cloth_core::particles::State;
 pub(super) use cloth_core::step::{StepInput, Stepper};
+pub(super) use itertools::{Itertools, iproduct};
 pub(super) use serde::{Deserialize, Serialize};

@@ -25,16 +25,7 @@ const EXCESS: Real = 1e-2;
 const STILL: Real = 1e-3;
 
 /// Vertices a side, and steps.
-fn size(scope: Scope) -> (usize, u32) {
-    scope.pick((5, 100), (9, 300))
-}
-
-/// A method and how its sheet starts.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-struct Start {
-    method: &'static str,
-    start: &'static str,
-}
+const SIZES: [(usize, u32); 2] = [(5, 100), (9, 300)];
 
 /// What came of the runs of a cell.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -47,15 +38,6 @@ pub struct Outcome {
     worst: Option<Number>,
     /// Why the first run that failed did so.
     reason: Option<String>,
-}
-
-/// The same as a row of the table.
-#[derive(Default, Serialize)]
-struct Row {
-    recovered: String,
-    strain_at_rest: Number,
-    worst_strain: Option<Number>,
-    cell: &'static str,
 }
 
 /// The sheet, held along x = 0.
@@ -129,59 +111,60 @@ pub fn cell(n: usize, steps: u32, start: &str, name: &str) -> Result<Outcome, Be
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let (n, steps) = size(study.scope);
-    let name = |Start { method, start }: &Start| format!("{start}, {method}");
-    let of_method = |method: &Method| {
-        let method = method.name;
-        STARTS.map(move |start| Start { method, start })
-    };
-    let found = study.grid_side_by_side(method::all().flat_map(of_method), name, |at| {
-        cell(n, steps, at.start, at.method)
-    });
-    let reasons = found.iter().filter_map(|(at, outcome)| {
+    let (n, steps) = study.scope.of(SIZES);
+    let found = study.grid_side_by_side(
+        iproduct!(method::all().map(|method| method.name), STARTS),
+        |(method, start)| format!("{start}, {method}"),
+        |(method, start)| cell(n, steps, start, method),
+    );
+    let reasons = found.iter().filter_map(|((method, start), outcome)| {
         let reason = outcome.reason.as_ref()?;
         let failed = capitalised(failed(reason));
-        Some(format!("{failed}: {}: {reason}.", name(at)))
+        Some(format!("{failed}: {start}, {method}: {reason}."))
     });
-    study.findings.section.notes.extend(reasons);
-    let row = |(at, outcome): &(Start, Outcome)| {
-        let row = Row {
-            recovered: format!("{} of {RUNS}", outcome.recovered),
-            strain_at_rest: outcome.rest,
-            worst_strain: outcome.worst,
-            cell: match &outcome.reason {
-                _ if outcome.recovered == RUNS => "passes",
-                Some(reason) if is_expected(reason) => "fails, as expected",
-                _ => "FAILS",
-            },
+    study.section.notes.extend(reasons);
+    let row = |(at, outcome): &((&'static str, &'static str), Outcome)| {
+        let recovered = format!("{} of {RUNS}", outcome.recovered);
+        let cell = match &outcome.reason {
+            _ if outcome.recovered == RUNS => "passes",
+            Some(reason) if is_expected(reason) => "fails, as expected",
+            _ => "FAILS",
         };
-        (*at, row)
+        (*at, recovered, outcome.rest, outcome.worst, cell)
     };
-    let table = Table::of(&found.iter().map(row).collect::<Vec<_>>());
+    let columns = [
+        "method",
+        "start",
+        "recovered",
+        "strain at rest",
+        "worst strain",
+        "cell",
+    ];
+    let table = Table::named(&columns, &found.iter().map(row).collect_vec());
     let caption = format!("{n} × {n} vertices, at most {steps} steps");
-    study.findings.table("recovery", &caption, table);
+    study.table("recovery", &caption, table);
     let (mut always, mut lost_some) = (Vec::new(), Vec::new());
     for method in method::all() {
         if method.is_never_stable() {
             lost_some.push(format!("{} fails, as expected", method.name));
             continue;
         }
-        let lost = found
-            .iter()
-            .filter(|(at, outcome)| at.method == method.name && outcome.recovered != RUNS);
-        let lost =
-            lost.map(|(at, outcome)| format!("{} ({} of {RUNS})", at.start, outcome.recovered));
-        match lost.collect::<Vec<_>>().join(", ") {
+        let of_method = found.iter().filter(|((of, _), _)| *of == method.name);
+        let lost = of_method.filter(|(_, outcome)| outcome.recovered != RUNS);
+        let mut lost = lost.map(|((_, start), outcome)| {
+            let count = outcome.recovered;
+            format!("{start} ({count} of {RUNS})")
+        });
+        match lost.join(", ") {
             none if none.is_empty() => always.push(method.name),
             lost => lost_some.push(format!("{} fails from {lost}", method.name)),
         }
     }
-    let told = if lost_some.is_empty() {
-        "all do".to_owned()
-    } else {
-        lost_some.join("; ")
+    let told = match lost_some.is_empty() {
+        true => "all do".to_owned(),
+        false => lost_some.join("; "),
     };
-    study.findings.section.verdict = Some(format!(
+    study.section.verdict = Some(format!(
         "In ten runs of ten from every start, {} recover; {told}.",
         always.join(", ")
     ));

@@ -25,41 +25,31 @@ const STEP: Real = 1.0 / 60.0;
 /// When nothing is faster than this (m/s), it is at rest.
 const STILL: Real = 1e-6;
 
-fn tips(scope: Scope) -> &'static [Real] {
-    scope.pick(&[1.0, 1e2], &[1.0, 10.0, 1e2, 1e3, 1e4, 1e5])
-}
-
-fn efforts(scope: Scope) -> &'static [u32] {
-    scope.pick(&[1, 8, 64], &[1, 2, 4, 8, 16, 32, 64, 128, 256])
-}
-
-fn wanted(scope: Scope) -> &'static [Real] {
-    scope.pick(&[1e-2], &[3e-2, 1e-2, 3e-3, 1e-3])
-}
-
-fn most_steps(scope: Scope) -> u32 {
-    scope.pick(300, 3000)
-}
+const TIPS: [&[Real]; 2] = [&[1.0, 1e2], &[1.0, 10.0, 1e2, 1e3, 1e4, 1e5]];
+const EFFORTS: [&[u32]; 2] = [&[1, 8, 64], &[1, 2, 4, 8, 16, 32, 64, 128, 256]];
+const WANTED: [&[Real]; 2] = [&[1e-2], &[3e-2, 1e-2, 3e-3, 1e-3]];
+const MOST_STEPS: [u32; 2] = [300, 3000];
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let holds = chains(study)?;
     let guide = substeps(study);
     let diameter = iterations(study);
-    study.findings.section.verdict = Some(format!(
+    study.section.verdict = Some(format!(
         "The chain sags by its law {holds}. {guide} {diameter}"
     ));
     Ok(())
 }
 
-/// What sweeps are spent on, and what the other number is one of.
-const SPENT: [(&str, &str); 2] = [("substeps", "iterations"), ("iterations", "substeps")];
+/// What sweeps are spent on.
+const SPENT: [&str; 2] = ["substeps", "iterations"];
+
+/// Of what there is one then.
+fn other_than(spent: &str) -> &'static str {
+    SPENT[usize::from(spent == SPENT[0])]
+}
 
 #[derive(Default, Serialize, Deserialize)]
-struct ChainRow {
-    #[serde(rename = "tip mass (kg)")]
-    tip: Real,
-    spent_on: String,
-    count: u32,
+struct Chain {
     #[serde(rename = "sag (m)")]
     sag: Real,
     #[serde(rename = "expected (m)")]
@@ -72,19 +62,16 @@ struct ChainRow {
 /// The law `sag` over its parameters; how well it holds.
 fn chains(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let law = Law::find("sag")?;
-    let (tips, efforts) = (tips(study.scope), efforts(study.scope));
-    let of_effort = |(spent, tip)| efforts.iter().map(move |&count| (spent, tip, count));
-    let of_spent = |spent| tips.iter().map(move |&tip| (spent, tip));
-    let found = study.grid_side_by_side(
-        SPENT.into_iter().flat_map(of_spent).flat_map(of_effort),
-        |((spent, _), tip, count)| format!("tip of {tip} kg, {count} {spent}"),
-        |&((spent, other), tip, count)| {
+    let (tips, efforts) = (study.scope.of(TIPS).iter(), study.scope.of(EFFORTS).iter());
+    let points = iproduct!(SPENT, tips, efforts.clone());
+    let rows = study.grid_side_by_side(
+        points.map(|(spent, &tip, &count)| (tip, spent, count)),
+        |(tip, spent, count)| format!("tip of {tip} kg, {count} {spent}"),
+        |&(tip, spent, count)| {
+            let other = other_than(spent);
             let settings = format!("links={LINKS} tip_mass={tip} {spent}={count} {other}=1");
             let evaluation = law.evaluate(&Settings::of(&settings))?;
-            Ok(ChainRow {
-                tip,
-                spent_on: spent.to_owned(),
-                count,
+            Ok(Chain {
                 sag: evaluation.measured,
                 expected: evaluation.expected,
                 relative_error: evaluation.error(),
@@ -93,39 +80,41 @@ fn chains(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
             })
         },
     );
-    let rows: Vec<ChainRow> = found.into_iter().map(|(_, row)| row).collect();
-    let plot = Plot::new(
-        "Sag of a hanging chain of 20 rigid links of 1 m, Δt = 1/60 s",
-        Axis::log("sweeps per step (dimensionless)"),
-        Axis::log("sag (m)"),
-    );
-    let measured = curves(&rows, |row| {
-        let label = format!("{}, tip of {} kg", row.spent_on, row.tip);
-        (label, (Real::from(row.count), row.sag))
+    let measured = curves(&rows, |((tip, spent, count), chain)| {
+        (
+            format!("{spent}, tip of {tip} kg"),
+            (Real::from(*count), chain.sag),
+        )
     });
     let exact = |&s: &u32| {
         let h = STEP / Real::from(s);
         let n = Real::from(LINKS);
         (Real::from(s), GRAVITY * h * h * n * (n - 1.0) / 2.0)
     };
-    let plot = plot
-        .with(measured)
-        .exact("g h² N(N − 1)/2", efforts.iter().map(exact));
-    let plot = plot.note("Dashed: the law for one sweep per substep and equal masses.");
-    study.findings.plot("sag-chain", &plot);
-    let caption = "Sag of a hanging chain of 20 rigid links of 1 m at rest";
-    study.findings.table("sag-chain", caption, Table::of(&rows));
-    let evaluation =
-        |row: &ChainRow| Evaluation::new(row.expected, row.sag).rounding(row.by_rounding);
-    let broken = rows
-        .iter()
-        .filter(|row| !law.holds(&evaluation(row)))
-        .count();
-    let exact = rows.iter().filter(|row| row.by_rounding < law.tolerance);
-    let worst = exact.map(|row| row.relative_error).fold(0.0, Real::max);
-    Ok(match broken {
+    let plot = Plot::new(
+        "Sag of a hanging chain of 20 rigid links of 1 m, Δt = 1/60 s",
+        Axis::log("sweeps per step (dimensionless)"),
+        Axis::log("sag (m)"),
+    )
+    .with(measured)
+    .exact("g h² N(N − 1)/2", efforts.map(exact))
+    .note("Dashed: the law for one sweep per substep and equal masses.");
+    study.plot("sag-chain", &plot);
+    study.table(
+        "sag-chain",
+        "Sag of a hanging chain of 20 rigid links of 1 m at rest",
+        Table::named(&["tip mass (kg)", "spent on", "count"], &rows),
+    );
+    let chains = || rows.iter().map(|(_, chain)| chain);
+    let is_broken = |chain: &&Chain| {
+        let evaluation = Evaluation::new(chain.expected, chain.sag).rounding(chain.by_rounding);
+        !law.holds(&evaluation)
+    };
+    let exact = chains().filter(|chain| chain.by_rounding < law.tolerance);
+    let worst = exact.map(|chain| chain.relative_error).fold(0.0, Real::max);
+    Ok(match chains().filter(is_broken).count() {
         0 => format!("to {worst:.1e}, or to rounding where that is more"),
-        _ => format!("but in {broken} cases"),
+        broken => format!("but in {broken} cases"),
     })
 }
 
@@ -175,14 +164,8 @@ fn rest(scope: Scope, support: &str, settings: &Settings) -> Result<Rest, BenchE
     let scene = hanging(support)?;
     let mut solver = Method::find("xpbd")?.build(&scene, settings, STEP)?;
     let mut state = scene.start.clone();
-    let still = run::to_rest(
-        &scene,
-        &mut *solver,
-        &mut state,
-        STEP,
-        most_steps(scope),
-        STILL,
-    )?;
+    let most = scope.of(MOST_STEPS);
+    let still = run::to_rest(&scene, &mut *solver, &mut state, STEP, most, STILL)?;
     let down = scene.gravity.normalize();
     let lowest = |x: &[Vec3]| {
         x.iter()
@@ -205,13 +188,6 @@ fn law(substeps: u32) -> Real {
     GRAVITY * h * h * (n - 1.0) * n / 2.0
 }
 
-/// What hangs, and how it is swept.
-fn hung() -> impl Iterator<Item = (&'static str, &'static str)> {
-    SUPPORTS
-        .into_iter()
-        .flat_map(|support| SWEEPS.map(|sweep| (support, sweep)))
-}
-
 #[derive(Default, Serialize)]
 struct Guided {
     hung_by: &'static str,
@@ -224,7 +200,7 @@ struct Guided {
 
 fn substeps(study: &mut StudyRun<'_>) -> String {
     let scope = study.scope;
-    let guided = |(hung_by, sweep), wanted_strain: Real| {
+    let guided = |(hung_by, sweep, &wanted_strain): (_, _, &Real)| {
         // √(law at one substep/ε).
         let substeps = (law(1) / wanted_strain).sqrt().ceil() as u32;
         let expected = law(substeps);
@@ -237,26 +213,17 @@ fn substeps(study: &mut StudyRun<'_>) -> String {
         }
     };
     let rows = study.grid_side_by_side(
-        hung().flat_map(|hung| {
-            wanted(scope)
-                .iter()
-                .map(move |&wanted| guided(hung, wanted))
-        }),
+        iproduct!(SUPPORTS, SWEEPS, scope.of(WANTED)).map(guided),
         |p| format!("{}, {}, strain {}", p.hung_by, p.sweep, p.wanted_strain),
-        |Guided {
-             hung_by,
-             sweep,
-             substeps,
-             ..
-         }| {
-            let settings = format!("substeps={substeps} iterations=1 sweep={sweep}");
-            rest(scope, hung_by, &Settings::of(&settings))
+        |p| {
+            let settings = format!("substeps={} iterations=1 sweep={}", p.substeps, p.sweep);
+            rest(scope, p.hung_by, &Settings::of(&settings))
         },
     );
-    study.findings.table(
+    study.table(
         "sag-substeps",
         "The substeps that the guide gives for a wanted mean strain, and what they leave",
-        Table::of(&rows),
+        &rows,
     );
     let parts = SUPPORTS.map(|support| {
         let most = |strain: fn(&Rest) -> Real| {
@@ -264,10 +231,10 @@ fn substeps(study: &mut StudyRun<'_>) -> String {
             ours.map(|(guided, rest)| strain(rest) / guided.expected)
                 .fold(0.0, Real::max)
         };
-        let (mean, max) = (
+        let [mean, max] = [
             most(|rest| rest.mean_strain),
             most(|rest| rest.largest_strain),
-        );
+        ];
         format!("{support} {mean:.2} times its mean and {max:.1} times it in the worst edge")
     });
     format!(
@@ -276,50 +243,26 @@ fn substeps(study: &mut StudyRun<'_>) -> String {
     )
 }
 
-#[derive(Default, Serialize)]
-struct Exchanged {
-    hung_by: &'static str,
-    sweep: &'static str,
-    #[serde(rename = "24 sweeps as")]
-    spent: &'static str,
-    #[serde(skip)]
-    other: &'static str,
-}
-
 fn iterations(study: &mut StudyRun<'_>) -> String {
     let scope = study.scope;
-    let exchanged = |(hung_by, sweep)| {
-        let exchanges = SPENT.into_iter().rev();
-        exchanges.map(move |(spent, other)| Exchanged {
-            hung_by,
-            sweep,
-            spent,
-            other,
-        })
-    };
     let rows = study.grid_side_by_side(
-        hung().flat_map(exchanged),
-        |p| format!("{}, {}, {ROW} {}", p.hung_by, p.sweep, p.spent),
-        |Exchanged {
-             hung_by,
-             sweep,
-             spent,
-             other,
-         }| {
+        iproduct!(SUPPORTS, SWEEPS, SPENT.into_iter().rev()),
+        |(hung_by, sweep, spent)| format!("{hung_by}, {sweep}, {ROW} {spent}"),
+        |(hung_by, sweep, spent)| {
+            let other = other_than(spent);
             let settings = format!("{spent}={ROW} {other}=1 sweep={sweep}");
             rest(scope, hung_by, &Settings::of(&settings))
         },
     );
-    study.findings.table(
+    study.table(
         "sag-iterations",
         "As many sweeps a step as the mesh has edges across: what they leave as iterations and as substeps",
-        Table::of(&rows),
+        Table::named(&["hung by", "sweep", "24 sweeps as"], &rows),
     );
     let of_edge = |spent: &str| {
-        let wanted = ("edge", "colored", spent);
         let found = rows
             .iter()
-            .find(|(p, _)| (p.hung_by, p.sweep, p.spent) == wanted);
+            .find(|(at, _)| *at == ("edge", "colored", spent));
         found.map(|(_, rest)| rest.mean_strain)
     };
     let (Some(iterations), Some(substeps)) = (of_edge("iterations"), of_edge("substeps")) else {
@@ -327,7 +270,7 @@ fn iterations(study: &mut StudyRun<'_>) -> String {
     };
     let enough = if iterations < 0.01 { "Yes" } else { "No" };
     let [of_iterations, of_substeps] = [iterations, substeps].map(percent);
-    study.findings.answer(
+    study.answer(
         "Is \"iterations = mesh diameter\" enough?",
         format!(
             "{enough}. A rigid sheet of {ROW} edges across, hung by its upper edge, is {of_iterations} longer than it should be after {ROW} iterations a step of 1/60 s."
@@ -340,7 +283,7 @@ fn iterations(study: &mut StudyRun<'_>) -> String {
     } else {
         "Iterations"
     };
-    study.findings.answer(
+    study.answer(
         "Substeps or iterations?",
         format!(
             "{better}. {ROW} sweeps a step leave {of_iterations} of stretch on that sheet as iterations and {of_substeps} as substeps; for one sweep a substep there is a law, so the number that a wanted strain takes can be computed beforehand."

@@ -18,14 +18,9 @@ pub(super) const STUDY: Study = Study {
 };
 
 /// Vertices a side.
-fn sides(scope: Scope) -> &'static [u32] {
-    scope.pick(&[12, 24], &[64, 128, 256, 512, 1000])
-}
-
+const SIDES: [&[u32]; 2] = [&[12, 24], &[64, 128, 256, 512, 1000]];
 /// Time that one size may take.
-fn budget(scope: Scope) -> Duration {
-    scope.pick(Duration::from_secs(10), Duration::from_secs(60))
-}
+const BUDGET: [Duration; 2] = [Duration::from_secs(10), Duration::from_secs(60)];
 
 const STEPS: u32 = 3;
 /// No step of forward Euler is stable.
@@ -85,10 +80,9 @@ fn rows(method: &'static str, reach: &Reach) -> Vec<Row> {
             setup: size.setup_ms,
             memory: bytes.map(|bytes| bytes / 1e6),
             memory_per_vertex: bytes.map(|bytes| bytes / 1e3 / vertices),
-            what_ended_it: if is_last {
-                reach.end.clone()
-            } else {
-                String::new()
+            what_ended_it: match is_last {
+                true => reach.end.clone(),
+                false => String::new(),
             },
         }
     };
@@ -104,7 +98,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let reach = study
             .cases
             .parts(name, |progress| reach(scope, name, progress));
-        let Some(reach) = study.findings.unless_failed(name, reach) else {
+        let Some(reach) = study.unless_failed(name, reach) else {
             continue;
         };
         let rows = rows(name, &reach);
@@ -123,43 +117,40 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let series = curves(&table, |row| {
         (row.method, (row.vertices as Real, row.ms_per_step))
     });
-    let (vertices, time) = (Axis::log("vertices"), Axis::log("time of a step (ms)"));
+    let (size, time) = (Axis::log("vertices"), Axis::log("time of a step (ms)"));
     let title = "Time of a step against the size of the cloth";
-    let mut plot = Plot::new(title, vertices, time).with(series);
-    if let Some(most) = table
-        .iter()
-        .map(|row| row.vertices as Real)
-        .reduce(Real::max)
-    {
-        let least = table
+    let mut plot = Plot::new(title, size, time).with(series);
+    let vertices = || table.iter().map(|row| row.vertices as Real);
+    if let Some(most) = vertices().reduce(Real::max) {
+        let each = table
             .iter()
-            .map(|row| row.ms_per_step / row.vertices as Real);
-        let least = least.fold(Real::INFINITY, Real::min);
-        let first = Real::from(sides(scope)[0]).powi(2);
+            .zip(vertices())
+            .map(|(row, vertices)| row.ms_per_step / vertices);
+        let least = each.fold(Real::INFINITY, Real::min);
+        let first = Real::from(scope.of(SIDES)[0]).powi(2);
         plot = plot.exact(
             "∝ vertices",
             [first, most].map(|count| (count, least * count)),
         );
     }
-    study.findings.plot("scale", &plot);
-    let caption = "The hanging sheet, larger and larger";
-    study.findings.table("scale", caption, Table::of(&table));
-    let sizes = sides(scope).iter().map(|n| format!("{n} × {n}"));
+    study.plot("scale", &plot);
+    study.table("scale", "The hanging sheet, larger and larger", &table);
+    let sizes = scope
+        .of(SIDES)
+        .iter()
+        .map(|n| format!("{n} × {n}"))
+        .join(", ");
     let told = format!(
-        "Here the largest of {} vertices that each method gets through within {} s, three steps and all before them:",
-        sizes.collect::<Vec<_>>().join(", "),
-        budget(scope).as_secs(),
+        "Here the largest of {sizes} vertices that each method gets through within {} s, three steps and all before them:",
+        scope.of(BUDGET).as_secs(),
     );
-    study
-        .findings
-        .answer("How large a cloth?", told, Some(largest), "figure-scale");
+    study.answer("How large a cloth?", told, Some(largest), "figure-scale");
     let most = table.iter().map(|row| row.vertices_a_side).max();
-    let with = |row: &&Row| Some(row.vertices_a_side) == most;
-    let there: Vec<&str> = table.iter().filter(with).map(|row| row.method).collect();
-    study.findings.section.verdict = most.map(|side| {
+    let there = table.iter().filter(|row| Some(row.vertices_a_side) == most);
+    let there = there.map(|row| row.method).join(", ");
+    study.section.verdict = most.map(|side| {
         format!(
-            "The largest sheet that any method gets through has {side} × {side} vertices: {}.",
-            there.join(", ")
+            "The largest sheet that any method gets through has {side} × {side} vertices: {there}."
         )
     });
     Ok(())
@@ -168,7 +159,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<Reach, BenchError> {
     let mut reach = Reach::default();
     let mut last: Option<(u32, Duration)> = None;
-    for &side in sides(scope) {
+    for &side in scope.of(SIDES) {
         if let Some(needed) = too_much(reach.sizes.last()) {
             reach.end = format!("{side} × {side} would need about {needed:.1} GB");
             return Ok(reach);
@@ -178,13 +169,14 @@ fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<R
             let ratio = Real::from(side) / Real::from(smaller);
             took.as_secs_f64() * ratio * ratio
         });
-        if let Some(seconds) = expected.filter(|&seconds| seconds > budget(scope).as_secs_f64()) {
+        if let Some(seconds) = expected.filter(|&seconds| seconds > scope.of(BUDGET).as_secs_f64())
+        {
             reach.end = format!("{side} × {side} would take {seconds:.0} s at this time a vertex");
             return Ok(reach);
         }
         progress(&format!("scale: {method} at {side} × {side}"));
         let started = Instant::now();
-        match alone(method, side, STEPS, budget(scope))? {
+        match alone(method, side, STEPS, scope.of(BUDGET))? {
             Ok(size) => {
                 reach.sizes.push(size);
                 last = Some((side, started.elapsed()));

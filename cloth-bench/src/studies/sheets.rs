@@ -10,7 +10,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub const STIFFNESS: Real = 1e4;
 
 /// Settings of the scene `hang` with so many vertices a side, and with springs of so many N/m.
-#[must_use]
 pub fn hanging(n: u32, stiffness: Real) -> Settings {
     let settings = Settings::default();
     settings.with("n", n).with("stiffness", stiffness)
@@ -21,9 +20,6 @@ static FOUND: Mutex<Vec<(Settings, Arc<StepProblem>)>> = Mutex::new(Vec::new());
 
 /// The sixteenth step of the scene `hang` with some settings. Several studies look at it, and on a large sheet Newton's
 /// method takes a minute to get there, so it is kept.
-///
-/// # Errors
-/// Those of [`scene::build`] and [`StepProblem::after`].
 pub fn sixteenth_step(settings: &Settings) -> Result<Arc<StepProblem>, BenchError> {
     // Whoever panicked while holding it had not touched it yet, or had finished.
     let found = || FOUND.lock().unwrap_or_else(PoisonError::into_inner);
@@ -39,9 +35,6 @@ pub fn sixteenth_step(settings: &Settings) -> Result<Arc<StepProblem>, BenchErro
 /// Traces a step with a solver that has taken one, the first of the scene under `gravity` (m/s²): what is done once,
 /// such as the matrix of projective dynamics, an analysis or coarse levels, has been done. Without gravity a method
 /// that looks at its gradient has nothing else to do.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the solver's own error.
 pub(super) fn trace_warm(
     scene: &Scene,
     gravity: Vec3,
@@ -71,9 +64,6 @@ pub(super) struct TestSheet {
 
 impl TestSheet {
     /// The hanging sheet with so many vertices a side, or the scene that the run was started with.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a scene file that does not serve.
     pub(super) fn of_study(cases: &Cases<'_>, sides: &[u32]) -> Result<Vec<Self>, BenchError> {
         if let Some(path) = cases.own_scene() {
             return Ok(vec![Self::own(path)?]);
@@ -121,9 +111,6 @@ impl TestSheet {
     }
 
     /// Its sixteenth step.
-    ///
-    /// # Errors
-    /// Those of [`StepProblem::after`].
     pub(super) fn sixteenth_step(&self) -> Result<Arc<StepProblem>, BenchError> {
         match &self.settings {
             Some(settings) => sixteenth_step(settings),

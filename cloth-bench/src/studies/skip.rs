@@ -23,33 +23,23 @@ pub(super) const STUDY: Study = Study {
 };
 
 const FEATURES: [&str; 3] = ["bending", "contact", "observer"];
-const CRATES: [(&str, &[&str]); 8] = [
-    ("cloth-core", &["--no-default-features"]),
-    ("cloth-massspring", &["--no-default-features"]),
-    ("cloth-pbd", &["--no-default-features"]),
-    ("cloth-pbd", &[]),
-    ("cloth-xpbd", &["--no-default-features"]),
-    ("cloth-xpbd", &["--features", "direct,single"]),
-    ("cloth-pd", &["--no-default-features"]),
-    ("cloth-collide", &[]),
+const CRATES: [(&str, &str); 8] = [
+    ("cloth-core", "--no-default-features"),
+    ("cloth-massspring", "--no-default-features"),
+    ("cloth-pbd", "--no-default-features"),
+    ("cloth-pbd", "default"),
+    ("cloth-xpbd", "--no-default-features"),
+    ("cloth-xpbd", "--features direct,single"),
+    ("cloth-pd", "--no-default-features"),
+    ("cloth-collide", "default"),
 ];
 
 fn methods() -> Vec<&'static str> {
     method::with_own(&["pbd", "xpbd", "pd", "linear-implicit"])
 }
 
-fn side(scope: Scope) -> u32 {
-    scope.pick(33, 128)
-}
-
-/// A feature and a method.
-#[derive(Debug, Default, Serialize)]
-pub struct Feature {
-    /// What it is called.
-    pub feature: &'static str,
-    /// Name of the method.
-    pub method: &'static str,
-}
+/// Vertices a side.
+const SIDES: [u32; 2] = [33, 128];
 
 /// Median time of a step without a feature, and ratios to it.
 #[derive(Default, Serialize, Deserialize)]
@@ -64,15 +54,7 @@ struct Times {
     used: Real,
 }
 
-/// A crate with some features.
-#[derive(Default, Serialize)]
-struct Crate {
-    #[serde(rename = "crate")]
-    name: &'static str,
-    features: String,
-}
-
-/// What it brings in.
+/// What a crate with some features brings in.
 #[derive(Default, Serialize, Deserialize)]
 struct Weight {
     crates_it_brings_in: usize,
@@ -82,61 +64,42 @@ struct Weight {
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
-    let of_feature = |feature| {
-        methods()
-            .into_iter()
-            .map(move |method| Feature { feature, method })
-    };
     let times = study.grid(
-        FEATURES.into_iter().flat_map(of_feature),
-        |Feature { feature, method }| format!("{feature}, {method}"),
-        |Feature { feature, method }| times(scope, feature, method),
+        iproduct!(FEATURES, methods()),
+        |(feature, method)| format!("{feature}, {method}"),
+        |(feature, method)| times(scope, feature, method),
     );
-    let n = side(scope);
-    study.findings.table(
+    let n = scope.of(SIDES);
+    study.table(
         "skip-time",
         &format!("Time of a step of the {n} × {n} sheet with and without a feature"),
-        Table::of(&times),
+        Table::named(&["feature", "method"], &times),
     );
     let memory = memory::run(study);
-    let of_crate = |(name, features): (_, &[&str])| {
-        let features = features.join(" ");
-        let features = if features.is_empty() {
-            "default".to_owned()
-        } else {
-            features
-        };
-        Crate { name, features }
-    };
     let weights = study.grid(
-        CRATES.map(of_crate),
-        |Crate { name, features }| format!("{name}, {features}"),
-        |Crate { name, features }| weight(scope, name, features),
+        CRATES,
+        |(name, features)| format!("{name}, {features}"),
+        |(name, features)| weight(scope, name, features),
     );
-    let table = Table::of(&weights);
-    study
-        .findings
-        .table("skip-crates", "Dependencies of each crate alone", table);
+    let table = Table::named(&["crate", "features"], &weights);
+    study.table("skip-crates", "Dependencies of each crate alone", table);
     let most = times.iter().map(|(_, t)| t.unused).fold(0.0, Real::max);
-    let noise = times
-        .iter()
-        .map(|(_, t)| (t.again - 1.0).abs())
-        .fold(0.0, Real::max);
+    let noise = times.iter().map(|(_, t)| (t.again - 1.0).abs());
+    let noise = noise.fold(0.0, Real::max);
     let mut verdict = format!(
         "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %. {memory}",
         100.0 * noise
     );
-    let fewest = weights
-        .iter()
-        .filter(|(alone, _)| alone.features == "--no-default-features");
-    let fewest =
-        fewest.map(|(alone, weight)| format!("{} {}", alone.name, weight.crates_it_brings_in));
-    let fewest = fewest.collect::<Vec<_>>().join(", ");
+    let mut fewest = weights.iter().filter_map(|((name, features), weight)| {
+        let is_alone = *features == "--no-default-features";
+        is_alone.then(|| format!("{name} {}", weight.crates_it_brings_in))
+    });
+    let fewest = fewest.join(", ");
     if !fewest.is_empty() {
         verdict +=
             &format!(" With the fewest features the crates bring in so many others: {fewest}.");
     }
-    study.findings.section.verdict = Some(verdict);
+    study.section.verdict = Some(verdict);
     Ok(())
 }
 
@@ -225,7 +188,7 @@ impl Variant<'_> {
 
 fn times(scope: Scope, feature: &str, method: &str) -> Result<Times, BenchError> {
     let variant = |used| {
-        let settings = settings(side(scope), feature, used)?;
+        let settings = settings(scope.of(SIDES), feature, used)?;
         Variant::new(&settings, feature, method, used)
     };
     let mut variants = [
@@ -255,21 +218,11 @@ fn weight(scope: Scope, name: &str, features: &str) -> Result<Weight, BenchError
         command.current_dir(root);
         command
     };
-    let features = features
-        .split_whitespace()
-        .filter(|word| *word != "default");
-    let features: Vec<&str> = features.collect();
+    let features = features.split_whitespace();
+    let features = features.filter(|word| *word != "default").collect_vec();
     let tree = cargo()
-        .args([
-            "tree",
-            "--offline",
-            "-p",
-            name,
-            "-e",
-            "normal",
-            "--prefix",
-            "none",
-        ])
+        .args(["tree", "--offline", "-p", name])
+        .args(["-e", "normal", "--prefix", "none"])
         .args(&features)
         .output()
         .map_err(|error| BenchError::Failed(format!("cargo: {error}")))?;
@@ -294,14 +247,8 @@ fn weight(scope: Scope, name: &str, features: &str) -> Result<Weight, BenchError
     let target = std::env::temp_dir().join(format!("cloth-skip-{}", std::process::id()));
     let started = Instant::now();
     let built = cargo()
-        .args([
-            "build",
-            "--offline",
-            "--release",
-            "-p",
-            name,
-            "--target-dir",
-        ])
+        .args(["build", "--offline", "--release", "-p", name])
+        .arg("--target-dir")
         .arg(&target)
         .args(&features)
         // As for those who depend on the crate; names for profilers are of this workspace.

@@ -26,55 +26,24 @@ pub(super) const STUDY: Study = Study {
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
     let limit = limits(study);
-    let rows = rows(scope);
-    let fates = study.cases.side_by_side(&rows, Row::name, |row| {
-        row.map.row(scope, row.down, &row.method)
-    });
+    // All rows of all maps are cases side by side: a map, a method, and the value of the second parameter.
+    let of_map = |map: &'static Map| iproduct!([map], (map.methods)(), map.values(scope)[1]);
+    let found = study.grid_side_by_side(
+        MAPS.iter().flat_map(of_map),
+        |(map, method, down)| {
+            let (name, of, down) = (map.name, map.down, short(**down));
+            format!("{name}, {of} {down}, {}", method.label)
+        },
+        |(map, method, down)| map.row(scope, **down, method),
+    );
     let mut told = vec![limit];
-    let mut every = rows.into_iter().zip(fates);
     for map in &MAPS {
-        let (across, down) = map.values(scope);
-        let of_map = every
-            .by_ref()
-            .take((map.methods)().len() * down.len())
-            .collect();
-        told.push(draw(map, &across, of_map, &mut study.findings));
+        let of_map = found.iter().filter(|((of, ..), _)| of.name == map.name);
+        let rows = of_map.map(|((_, method, down), fates)| (method, **down, &fates[..]));
+        told.push(draw(map, scope, rows, study));
     }
-    study.findings.section.verdict = Some(told.join(" "));
+    study.section.verdict = Some(told.join(" "));
     Ok(())
-}
-
-/// What is one case: a method on one row of a map.
-struct Row {
-    map: &'static Map,
-    /// The value of the second parameter.
-    down: Real,
-    method: Variant,
-}
-
-impl Row {
-    fn name(&self) -> String {
-        let Self { map, down, method } = self;
-        let (name, of, down) = (map.name, map.down, short(*down));
-        format!("{name}, {of} {down}, {}", method.label)
-    }
-}
-
-/// All rows, map by map, of each method one after the other.
-fn rows(scope: Scope) -> Vec<Row> {
-    let mut rows = Vec::new();
-    for map in &MAPS {
-        let (_, down) = map.values(scope);
-        for method in (map.methods)() {
-            let method = || method.clone();
-            rows.extend(down.iter().map(|&down| Row {
-                map,
-                down,
-                method: method(),
-            }));
-        }
-    }
-    rows
 }
 
 /// What came of one run.
@@ -94,16 +63,9 @@ pub enum Fate {
 }
 
 impl Fate {
-    /// From passing to failing at once.
-    #[must_use]
-    pub fn severity(&self) -> u8 {
-        match self {
-            Self::Ok => 0,
-            Self::Strained(_) => 1,
-            Self::Grew(_) => 2,
-            Self::Diverged(_) => 3,
-            Self::Refused(_) => 4,
-        }
+    /// Whether the sheet does not move as it may.
+    pub fn is_lost(&self) -> bool {
+        !matches!(self, Self::Ok | Self::Strained(_))
     }
 
     fn word(&self) -> String {
@@ -118,9 +80,6 @@ impl Fate {
 }
 
 /// Follows a method for some steps.
-///
-/// # Errors
-/// [`BenchError`] for a method that is not known.
 pub fn follow(scene: &Scene, variant: &Variant, dt: Real, steps: u32) -> Result<Fate, BenchError> {
     let method = Method::find(variant.method())?;
     let once = Settings::of(if method.is_explicit() {
@@ -169,14 +128,11 @@ pub fn follow(scene: &Scene, variant: &Variant, dt: Real, steps: u32) -> Result<
 
 /// The largest power of ten (N/m), up to a billion, to which the springs of the hanging sheet can be stiffened before the
 /// method explodes or gains energy of motion in so many steps of 1/60 s; none where it does with the softest.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a scene that cannot be built.
 pub fn stable_up_to(method: &str, steps: u32) -> Result<Option<Real>, BenchError> {
     let mut stable = None;
     for decade in 0..=9 {
         let stiffness = Real::powi(10.0, decade);
-        if map::falls(stiffness, method, steps)?.severity() >= Fate::Grew(0).severity() {
+        if map::falls(stiffness, method, steps)?.is_lost() {
             break;
         }
         stable = Some(stiffness);
@@ -185,75 +141,56 @@ pub fn stable_up_to(method: &str, steps: u32) -> Result<Option<Real>, BenchError
 }
 
 /// One table for a map, with a row per method and value of the second parameter; what it says.
-fn draw(
+fn draw<'a>(
     map: &Map,
-    across: &[Real],
-    rows: Vec<(Row, Result<Vec<Fate>, BenchError>)>,
-    findings: &mut Findings,
+    scope: Scope,
+    rows: impl Iterator<Item = (&'a Variant, Real, &'a [Fate])>,
+    study: &mut StudyRun<'_>,
 ) -> String {
-    let mut names = vec!["method".to_owned(), map.down.to_owned()];
-    names.extend(
-        across
-            .iter()
-            .map(|value| format!("{} {}", map.across, short(*value))),
-    );
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let mut table = Table::new(&names);
+    let [across, down] = map.values(scope);
+    let columns = across
+        .iter()
+        .map(|value| format!("{} {}", map.across, short(*value)));
+    let mut table = Table::about("method", [map.down.to_owned()].into_iter().chain(columns));
     let mut reasons: Vec<String> = Vec::new();
-    let sheets = rows.len() / (map.methods)().len() * across.len();
-    let mut found: Vec<(String, Vec<Fate>)> = Vec::new();
-    for (row, fates) in rows {
-        let Some(mut fates) = findings
-            .unless_failed(&row.name(), fates)
-            .filter(|fates| fates.len() == across.len())
-        else {
-            continue;
-        };
-        let hopeless = Method::find(row.method.method()).is_ok_and(Method::is_never_stable);
-        let label = row.method.label;
-        let mut cells = vec![Cell::from(label.as_str()), Cell::from(row.down)];
-        cells.extend(fates.iter().map(|fate| {
+    let mut found: Vec<(&str, Vec<&Fate>)> = Vec::new();
+    for (method, down, fates) in rows.filter(|(.., fates)| fates.len() == across.len()) {
+        let hopeless = Method::find(method.method()).is_ok_and(Method::is_never_stable);
+        let label = method.label.as_str();
+        let cells = fates.iter().map(|fate| {
             let mark = match fate {
                 Fate::Diverged(_) if hopeless => Mark::Expected,
                 _ => Mark::Plain,
             };
             Cell::Marked(fate.word(), mark)
+        });
+        table.line(label, [Cell::from(down)].into_iter().chain(cells));
+        reasons.extend(fates.iter().filter_map(|fate| match fate {
+            Fate::Refused(reason) => Some(format!("Refused: {label}: {reason}.")),
+            _ => None,
         }));
-        table.rows.push(cells);
-        for fate in &fates {
-            if let Fate::Refused(reason) = fate {
-                let note = format!("Refused: {label}: {reason}.");
-                if !reasons.contains(&note) {
-                    reasons.push(note);
-                }
-            }
-        }
         match found.last_mut() {
-            Some((method, all)) if *method == label => all.append(&mut fates),
-            _ => found.push((label, fates)),
+            Some((method, all)) if *method == label => all.extend(fates),
+            _ => found.push((label, fates.iter().collect())),
         }
     }
-    let passed: Vec<String> = found
+    let passed = found
         .iter()
         .map(|(name, fates)| passed(name, fates))
-        .collect();
-    findings.section.notes.extend(reasons);
-    findings.table(&format!("stability-{}", map.name), map.caption, table);
-    format!(
-        "{}, of {sheets} sheets ok: {}.",
-        map.caption,
-        passed.join(", ")
-    )
+        .join(", ");
+    study.section.notes.extend(reasons.into_iter().unique());
+    study.table(&format!("stability-{}", map.name), map.caption, table);
+    let sheets = across.len() * down.len();
+    format!("{}, of {sheets} sheets ok: {passed}.", map.caption)
 }
 
 /// How many sheets a method got through, in words.
-fn passed(method: &str, fates: &[Fate]) -> String {
-    let ok = fates.iter().filter(|fate| **fate == Fate::Ok).count();
+fn passed(method: &str, fates: &[&Fate]) -> String {
+    let ok = fates.iter().filter(|fate| ***fate == Fate::Ok).count();
     let strained = fates
         .iter()
-        .filter(|fate| matches!(fate, Fate::Strained(_)))
-        .count();
-    match strained {
+        .filter(|fate| matches!(fate, Fate::Strained(_)));
+    match strained.count() {
         0 if ok == 0 && Method::find(method).is_ok_and(Method::is_never_stable) => {
             format!("{method} none, as expected")
         }
@@ -289,41 +226,29 @@ fn limits(study: &mut StudyRun<'_>) -> String {
         stiffnesses
             .iter()
             .map(|&k| limit(k))
-            .collect::<Result<Vec<Limit>, _>>()
+            .try_collect::<_, Vec<_>, _>()
     };
     let Some(found) = study.case("limit of symplectic Euler", measure) else {
         return "The limit of symplectic Euler was not found.".into();
     };
     let curve = |of: fn(&Limit) -> Number| {
-        found
-            .iter()
-            .map(move |limit| (limit.stiffness.0, of(limit).0))
+        let point = move |limit: &Limit| (limit.stiffness.0, of(limit).0);
+        found.iter().map(point)
     };
     let measured = Series::new("symplectic-euler", curve(|limit| limit.found).collect());
-    let plot = Plot::new(
-        "The largest step of symplectic Euler",
-        Axis::log("stiffness (N/m)"),
-        Axis::log("step (s)"),
-    )
-    .points([measured])
-    .exact("2/ω of the stiffest mode", curve(|limit| limit.expected))
-    .note("A chain of 20 masses of 0.01 kg, held at one end, shaken along itself.");
-    study.findings.plot("stability-limit", &plot);
-    let table = Table::of(&found);
-    study
-        .findings
-        .table("stability-limit", "The limit of symplectic Euler", table);
-    let errors = found
-        .iter()
-        .map(|limit| (limit.found.0 / limit.expected.0 - 1.0).abs());
-    let worst = errors.fold(0.0, Real::max);
+    let (stiffness, step) = (Axis::log("stiffness (N/m)"), Axis::log("step (s)"));
+    let plot = Plot::new("The largest step of symplectic Euler", stiffness, step)
+        .points([measured])
+        .exact("2/ω of the stiffest mode", curve(|limit| limit.expected))
+        .note("A chain of 20 masses of 0.01 kg, held at one end, shaken along itself.");
+    study.plot("stability-limit", &plot);
+    study.table("stability-limit", "The limit of symplectic Euler", &found);
+    let error = |limit: &Limit| (limit.found.0 / limit.expected.0 - 1.0).abs();
+    let worst = found.iter().map(error).fold(0.0, Real::max);
     format!("Symplectic Euler explodes where the closed form says, to {worst:.0e}.")
 }
 
 /// Longitudinal motion of a chain is linear, so the limit is that of its stiffest mode.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a scene that cannot be built.
 pub fn limit(stiffness: Real) -> Result<Limit, BenchError> {
     const LINKS: u32 = 20;
     const MASS: Real = 0.01;

@@ -30,52 +30,34 @@ fn on_chain() -> impl Iterator<Item = (&'static str, &'static str)> {
     .chain(iterating_own().map(|own| (own.name, "iterations")))
 }
 
-fn efforts(scope: Scope) -> &'static [u32] {
-    scope.pick(
-        &[1, 2, 4, 8, 16, 32, 64, 128],
-        &[
-            1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024,
-        ],
-    )
-}
+const EFFORTS: [&[u32]; 2] = [
+    &[1, 2, 4, 8, 16, 32, 64, 128],
+    &[
+        1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024,
+    ],
+];
 
 const STEP_SIZES: [Real; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let dt = 1e-2;
-    let efforts = efforts(study.scope)[..8].iter();
-    let by_iterations: Vec<_> = efforts.map(|&n| (Real::from(n), n, dt)).collect();
-    let mut rows = one_constraint(
-        study,
-        "one constraint against iterations",
-        &by_iterations,
-        "stiffness-iterations",
-        Plot::new(
-            "Stiffness of one constraint against iterations, Δt = 0.01 s",
-            Axis::log("iterations per step (dimensionless)"),
-            Axis::log("effective stiffness (N/m)").within(1.0, 1e10),
-        )
-        .note(
-            "Dashed: the closed forms. PBD with a fixed projection s has no stiffness of its own.",
-        ),
+    let efforts = study.scope.of(EFFORTS)[..8].iter();
+    let by_iterations = efforts.map(|&n| (Real::from(n), n, dt)).collect_vec();
+    let stiffness = Axis::log("effective stiffness (N/m)").within(1.0, 1e10);
+    let title = "Stiffness of one constraint against iterations, Δt = 0.01 s";
+    let iterations = Axis::log("iterations per step (dimensionless)");
+    let plot = Plot::new(title, iterations, stiffness.clone()).note(
+        "Dashed: the closed forms. PBD with a fixed projection s has no stiffness of its own.",
     );
-    rows.extend(one_constraint(
-        study,
-        "one constraint against step size",
-        &STEP_SIZES.map(|dt| (dt, 4, dt)),
-        "stiffness-dt",
-        Plot::new(
-            "Stiffness of one constraint against step size, 4 iterations",
-            Axis::log("Δt (s)"),
-            Axis::log("effective stiffness (N/m)").within(1.0, 1e10),
-        ),
-    ));
-    let table = Table::of(&rows);
-    study.findings.data("stiffness-one-constraint", table);
+    let mut rows = one_constraint(study, "iterations", &by_iterations, plot);
+    let title = "Stiffness of one constraint against step size, 4 iterations";
+    let plot = Plot::new(title, Axis::log("Δt (s)"), stiffness);
+    let by_step = STEP_SIZES.map(|dt| (dt, 4, dt));
+    rows.extend(one_constraint(study, "dt", &by_step, plot));
+    study.data("stiffness-one-constraint", &rows);
     // Where rounding leaves six digits.
-    let exact = rows
-        .iter()
-        .filter(|row| Stretched::rounding(row.closed_form, row.dt) < 1e-6);
+    let is_exact = |row: &&Row| Stretched::rounding(row.closed_form, row.dt) < 1e-6;
+    let exact = rows.iter().filter(is_exact);
     let errors = exact.map(|row| (row.stiffness / row.closed_form - 1.0).abs());
     let worst = errors.fold(0.0, Real::max);
     chain(study, worst)
@@ -83,9 +65,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 
 /// What is measured on one constraint: a variant, and s where the projection is fixed.
 fn on_one_constraint() -> Vec<(Variant, Option<Real>)> {
-    let fixed = FIXED.map(|s| {
+    let fixed = FIXED.into_iter().flat_map(|s| {
         let variant = Variant::list(&format!("pbd, s = {s}: projection={s}"));
-        (variant, Some(s))
+        variant.into_iter().map(move |variant| (variant, Some(s)))
     });
     let exact = Variant::list(
         "pbd
@@ -93,12 +75,8 @@ fn on_one_constraint() -> Vec<(Variant, Option<Real>)> {
         pd
         implicit-euler: tolerance=0",
     );
-    let fixed = fixed
-        .into_iter()
-        .flat_map(|(variant, s)| variant.into_iter().map(move |v| (v, s)));
-    let exact = exact
-        .into_iter()
-        .chain(iterating_own().map(Variant::default_of));
+    let own = iterating_own().map(Variant::default_of);
+    let exact = exact.into_iter().chain(own);
     fixed.chain(exact.map(|variant| (variant, None))).collect()
 }
 
@@ -118,21 +96,19 @@ struct Row {
 /// One constraint at some points `(x, iterations, Δt)`, drawn against x beside the closed forms.
 fn one_constraint(
     study: &mut StudyRun<'_>,
-    case: &str,
+    against: &str,
     points: &[(Real, u32, Real)],
-    name: &str,
     plot: Plot,
 ) -> Vec<Row> {
-    let measured = study.case(case, || measure(points)).unwrap_or_default();
+    let case = format!("one constraint against {against}");
+    let measured = study.case(&case, || measure(points)).unwrap_or_default();
     let (mut rows, mut shown, mut exact) = (Vec::new(), Vec::new(), Vec::new());
     for ((variant, fixed), measured) in on_one_constraint().into_iter().zip(measured) {
         let law = |n: u32, dt: Real| fixed.map_or(STIFFNESS, |s| fixed_projection(s, n, dt));
         let label = &variant.label;
         let found = || points.iter().zip(&measured);
-        shown.push(Series::new(
-            label,
-            found().map(|(&(x, ..), k)| (x, k.0)).collect(),
-        ));
+        let points_shown = found().map(|(&(x, ..), k)| (x, k.0));
+        shown.push(Series::new(label, points_shown.collect()));
         if fixed.is_some() {
             let curve = points.iter().map(|&(x, n, dt)| (x, law(n, dt)));
             exact.push(Series::new(&format!("{label}, exact"), curve.collect()));
@@ -147,7 +123,7 @@ fn one_constraint(
     }
     let k = points.iter().map(|&(x, ..)| (x, STIFFNESS));
     let plot = plot.points(shown).exact_curves(exact).exact("k, exact", k);
-    study.findings.plot(name, &plot);
+    study.plot(&format!("stiffness-{against}"), &plot);
     rows
 }
 
@@ -176,71 +152,55 @@ fn measure(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, BenchError>
 const LINKS: u32 = 20;
 const CHAIN_STIFFNESS: Real = 1e4;
 
-/// A chain at rest, or still moving after the last step.
-#[derive(Default, Serialize)]
-struct ChainRow {
-    method: &'static str,
-    effort: &'static str,
-    count: u32,
-    #[serde(rename = "stretch of the chain (m)")]
-    stretch: Real,
-    #[serde(rename = "exact (m)")]
-    exact: Real,
-    #[serde(rename = "stiffness / k")]
-    shown: Real,
-    steps_to_rest: Cell,
-    #[serde(skip)]
-    is_at_rest: bool,
-}
+/// What is told of a chain at rest, or still moving after the last step.
+const CHAIN: [&str; 7] = [
+    "method",
+    "effort",
+    "count",
+    "stretch of the chain (m)",
+    "exact (m)",
+    "stiffness / k",
+    "steps to rest",
+];
 
 fn chain(study: &mut StudyRun<'_>, worst: Real) -> Result<(), BenchError> {
-    let mut scene = scene::build(
-        "chain",
-        None,
-        &Settings::of(&format!(
-            "n={LINKS} link=1 mass=1 tip_mass=1 stiffness={CHAIN_STIFFNESS}"
-        )),
-    )?;
+    let settings = format!("n={LINKS} link=1 mass=1 tip_mass=1 stiffness={CHAIN_STIFFNESS}");
+    let mut scene = scene::build("chain", None, &Settings::of(&settings))?;
     for p in &mut scene.start.positions {
         *p = Vec3::new(0.0, 0.0, -p.x);
     }
     let n = Real::from(LINKS);
     let exact = n * (n + 1.0) * 9.81 / (2.0 * CHAIN_STIFFNESS);
-    let efforts = efforts(study.scope);
-    let of_method = |(name, effort)| efforts.iter().map(move |&count| (name, effort, count));
+    let efforts = study.scope.of(EFFORTS);
     let found = study.grid(
-        on_chain().flat_map(of_method),
-        |(name, effort, count)| format!("chain, {name} with {count} {effort}"),
-        |&(name, effort, count)| {
+        iproduct!(on_chain(), efforts.iter().copied()),
+        |((name, effort), count)| format!("chain, {name} with {count} {effort}"),
+        |&((name, effort), count)| {
             let settings = match effort {
                 "substeps" => format!("substeps={count} iterations=1"),
                 _ if ["pbd", "xpbd"].contains(&name) => format!("substeps=1 iterations={count}"),
                 _ => format!("iterations={count}"),
             };
-            let method = Method::find(name)?;
+            let settings = Settings::of(&settings);
             at_rest(
                 &scene,
-                &mut *method.build(&scene, &Settings::of(&settings), scene.dt)?,
+                &mut *Method::find(name)?.build(&scene, &settings, scene.dt)?,
             )
         },
     );
-    let row = |((method, effort, count), (stretch, steps)): (_, (Real, Option<u32>))| ChainRow {
-        method,
-        effort,
-        count,
-        stretch,
-        exact,
-        shown: exact / stretch,
-        is_at_rest: steps.is_some(),
-        steps_to_rest: steps.map_or(Cell::from("not at rest"), |steps| {
-            Cell::from(i64::from(steps))
-        }),
+    let row = |&(at, (stretch, steps)): &(_, (Real, Option<u32>))| {
+        let steps = steps.map_or("not at rest".into(), |steps| Cell::Int(steps.into()));
+        (at, [stretch, exact, exact / stretch], steps)
     };
-    let rows: Vec<ChainRow> = found.into_iter().map(row).collect();
-    let at_rest = || rows.iter().filter(|row| row.is_at_rest);
-    let series = curves(at_rest(), |row| {
-        let label = format!("{}, {}", row.method, row.effort);
-        (label, (Real::from(row.count), row.shown))
+    let rows = found.iter().map(row).collect_vec();
+    let at_rest = || {
+        let at_rest = found.iter().filter(|(_, (_, steps))| steps.is_some());
+        at_rest.map(|&(((method, effort), count), (stretch, _))| {
+            (method, effort, count, exact / stretch)
+        })
+    };
+    let series = curves(at_rest(), |(method, effort, count, shown)| {
+        (format!("{method}, {effort}"), (Real::from(count), shown))
     });
     let plot = Plot::new(
         "Stiffness of a hanging chain of 20 links against effort, Δt = 1/60 s",
@@ -253,30 +213,25 @@ fn chain(study: &mut StudyRun<'_>, worst: Real) -> Result<(), BenchError> {
         efforts.iter().map(|&count| (Real::from(count), 1.0)),
     )
     .note("Implicit Euler solved to tolerance lies on the dashed line (law hanging-chain).");
-    study.findings.plot("stiffness-chain", &plot);
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("stiffness-chain", "A hanging chain at rest", table);
+    study.plot("stiffness-chain", &plot);
+    let table = Table::named(&CHAIN, &rows);
+    study.table("stiffness-chain", "A hanging chain at rest", table);
     let single = if worst < 1e-6 {
         "One constraint alone follows its closed form"
     } else {
         "One constraint alone does NOT follow its closed form everywhere"
     };
-    let told = at_rest().filter(|row| row.count == 16).map(|row| {
-        let ChainRow {
-            method,
-            effort,
-            shown,
-            ..
-        } = row;
-        format!("{method} with 16 {effort} shows {shown:.3} of k")
-    });
-    study.findings.section.verdict = Some(format!(
+    let mut told =
+        at_rest()
+            .filter(|(.., count, _)| *count == 16)
+            .map(|(method, effort, _, shown)| {
+                format!("{method} with 16 {effort} shows {shown:.3} of k")
+            });
+    study.section.verdict = Some(format!(
         "{single} (largest distance {worst:.1e}): k at any iteration count and step size for XPBD, PD, implicit Euler, and PBD with the projection made from \
          the material; for PBD with a fixed projection a stiffness that grows by orders of magnitude with iterations and with smaller steps. A chain \
          of 20 links at rest: {}.",
-        told.collect::<Vec<_>>().join("; ")
+        told.join("; ")
     ));
     Ok(())
 }

@@ -4,14 +4,30 @@ use super::{Cases, Findings, Scope};
 use crate::error::BenchError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::ops::{Deref, DerefMut};
 
 /// What a study works with. It asks for its cases, one by one or over a grid of points, and adds tables, plots and a
-/// conclusion to its findings. A case that fails is noted there, and is missing in what the study sees.
+/// conclusion to its findings, whose methods are its own. A case that fails is noted there, and is missing in what the
+/// study sees.
 #[allow(missing_debug_implementations)] // its cases hold a closure
 pub(super) struct StudyRun<'a> {
     pub(super) scope: Scope,
     pub(super) cases: Cases<'a>,
     pub(super) findings: Findings,
+}
+
+impl Deref for StudyRun<'_> {
+    type Target = Findings;
+
+    fn deref(&self) -> &Findings {
+        &self.findings
+    }
+}
+
+impl DerefMut for StudyRun<'_> {
+    fn deref_mut(&mut self) -> &mut Findings {
+        &mut self.findings
+    }
 }
 
 impl<'a> StudyRun<'a> {

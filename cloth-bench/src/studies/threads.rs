@@ -16,18 +16,9 @@ fn methods() -> Vec<&'static str> {
     method::with_own(&["symplectic-euler", "pbd", "xpbd", "pd", "linear-implicit"])
 }
 
-fn sides(scope: Scope) -> &'static [u32] {
-    scope.pick(&[16, 32], &[16, 32, 64, 128, 256])
-}
+const SIDES: [&[u32]; 2] = [&[16, 32], &[16, 32, 64, 128, 256]];
 
-/// A step of a method on a sheet.
-#[derive(Default, Serialize)]
-struct Point {
-    method: &'static str,
-    vertices_a_side: u32,
-}
-
-/// Its times, and what the second thread gains.
+/// Times of a step, and what the second thread gains.
 #[derive(Default, Serialize, Deserialize)]
 struct Times {
     #[serde(rename = "one thread (ms)")]
@@ -39,26 +30,14 @@ struct Times {
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
-    let sides = sides(scope).iter();
-    let of_method = |method| {
-        sides.clone().map(move |&vertices_a_side| Point {
-            method,
-            vertices_a_side,
-        })
-    };
+    let sides = scope.of(SIDES);
     let rows = study.grid(
-        methods().into_iter().flat_map(of_method),
-        |Point {
-             method,
-             vertices_a_side: n,
-         }| format!("{method} at {n} × {n}"),
-        |point| times(scope, point.method, point.vertices_a_side),
+        iproduct!(methods(), sides.iter().copied()),
+        |(method, n)| format!("{method} at {n} × {n}"),
+        |&(method, n)| times(scope, method, n),
     );
-    let gains = curves(&rows, |(point, times)| {
-        (
-            point.method,
-            (Real::from(point.vertices_a_side), times.gain),
-        )
+    let gains = curves(&rows, |&((method, n), ref times)| {
+        (method, (Real::from(n), times.gain))
     });
     let mut helps = Table::new(&["method", "from", "by up to"]);
     let mut never = Vec::new();
@@ -76,19 +55,13 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         }
     }
     let gain = Axis::linear("time on one thread over time on two (dimensionless)");
-    let plot = Plot::new(
-        "What a second thread gains",
-        Axis::log("vertices a side"),
-        gain,
-    );
-    let plot = plot
+    let sizes = Axis::log("vertices a side");
+    let plot = Plot::new("What a second thread gains", sizes, gain)
         .with(gains)
-        .exact("no gain", sides.clone().map(|&n| (Real::from(n), 1.0)));
-    study.findings.plot("threads", &plot);
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("threads", "A step on one thread and on two", table);
+        .exact("no gain", sides.iter().map(|&n| (Real::from(n), 1.0)));
+    study.plot("threads", &plot);
+    let table = Table::named(&["method", "vertices a side"], &rows);
+    study.table("threads", "A step on one thread and on two", table);
     let helps = (!helps.rows.is_empty()).then_some(helps);
     let told = match (&helps, &never[..]) {
         (None, _) => {
@@ -100,12 +73,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             never.join(", ")
         ),
     };
-    study.findings.section.verdict =
-        Some(format!("A second thread: {}", told.trim_end_matches(':')));
+    study.section.verdict = Some(format!("A second thread: {}", told.trim_end_matches(':')));
     let question = "When does a second thread help?";
-    study
-        .findings
-        .answer(question, told, helps, "figure-threads");
+    study.answer(question, told, helps, "figure-threads");
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 
 use crate::method::{self, Method};
 use crate::settings::Settings;
+use serde::{Serialize, Serializer};
 
 /// The methods of your own that can be told how often to iterate towards the step of implicit Euler.
 pub(super) fn iterating_own() -> impl Iterator<Item = &'static Method> {
@@ -12,7 +13,7 @@ pub(super) fn iterating_own() -> impl Iterator<Item = &'static Method> {
 }
 
 /// A method with some of its settings, and what it is called.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Variant {
     /// The name of the method, and what is special after a comma.
     pub label: String,
@@ -20,9 +21,15 @@ pub struct Variant {
     pub settings: Settings,
 }
 
+/// Of a variant, tables have the label.
+impl Serialize for Variant {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.label.serialize(serializer)
+    }
+}
+
 impl Variant {
     /// A method at its published settings.
-    #[must_use]
     pub fn default_of(method: &Method) -> Self {
         Self {
             label: method.name.to_owned(),
@@ -31,7 +38,6 @@ impl Variant {
     }
 
     /// One per line, `method, what is special: key=value key=value`.
-    #[must_use]
     pub fn list(lines: &str) -> Vec<Self> {
         let variant = |line: &str| {
             let (label, settings) = line.split_once(':').unwrap_or((line, ""));
@@ -45,14 +51,12 @@ impl Variant {
     }
 
     /// Of methods of your own that iterate the default, and what they name beside it.
-    #[must_use]
     pub fn of_own() -> Vec<Self> {
         let variants = |own: &Method| [vec![Self::default_of(own)], own.variants()].concat();
         iterating_own().flat_map(variants).collect()
     }
 
     /// The name of the method.
-    #[must_use]
     pub fn method(&self) -> &str {
         self.label.split(',').next().unwrap_or_default()
     }

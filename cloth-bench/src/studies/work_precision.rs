@@ -24,9 +24,10 @@ const REFERENCE: u32 = 4096;
 /// Errors that the verdict asks for (dimensionless).
 const WANTED: [Real; 2] = [1e-2, 1e-3];
 
-fn side(scope: Scope) -> u32 {
-    scope.pick(9, 33)
-}
+/// Vertices a side.
+const SIDE: [u32; 2] = [9, 33];
+/// Time that is played back (s).
+const SHOWN: [Real; 2] = [1.0, 3.0];
 
 /// Steps per second. The direct solver of XPBD ends where implicit Euler does, at fifty times the price: coarse steps
 /// show it.
@@ -37,11 +38,6 @@ fn rates(scope: Scope, label: &str) -> &'static [u32] {
         (Scope::Full, "xpbd-direct") => &[30, 60, 120],
         (Scope::Full, _) => &[30, 60, 120, 240, 480, 960],
     }
-}
-
-/// Time that is played back (s).
-fn shown(scope: Scope) -> Real {
-    scope.pick(1.0, 3.0)
 }
 
 /// What is compared: every method at its default, and what is cut short, accelerated or less precise.
@@ -123,13 +119,13 @@ struct Outcome {
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
-    let sheets = TestSheet::of_study(&study.cases, &[side(scope)])?;
+    let sheets = TestSheet::of_study(&study.cases, &[scope.of(SIDE)])?;
     let sheet = &sheets[0];
     let scene = &sheet.scene;
     let mut reference = LazyCell::new(|| Reference::of(scene));
     let doubt = study.cases.case("reference", || Ok(reference.get()?.doubt));
     // Everything else is compared with it.
-    let Some(doubt) = study.findings.unless_failed("reference", doubt) else {
+    let Some(doubt) = study.unless_failed("reference", doubt) else {
         return Ok(());
     };
     let mut rows: Vec<Row> = Vec::new();
@@ -160,38 +156,29 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     }
     for (number, (name, title)) in GROUPS.into_iter().enumerate() {
         let of_group = || rows.iter().filter(|row| row.groups()[number]);
+        let step = |row: &Row| 1.0 / Real::from(row.steps_per_second);
         let by_time = of_group().filter_map(|row| Some((row, (row.ms?, row.error?))));
-        let by_step = of_group()
-            .filter_map(|row| Some((row, (1.0 / Real::from(row.steps_per_second), row.error?))));
-        let mut draw = |name: String, title: String, x: &str, series: Vec<Series>| {
-            let y = Axis::log("error (dimensionless)").within(1e-5, 1.0);
-            let title = format!("{title}, {}", sheet.which());
-            let plot = Plot::new(title, Axis::log(x), y).with(series);
-            study.findings.plot(&name, &plot);
-        };
+        let by_step = of_group().filter_map(|row| Some((row, (step(row), row.error?))));
         let of = |(row, point): (&Row, (Real, Real))| (row.method.clone(), point);
-        draw(
-            format!("work-precision-{name}time"),
-            format!("{title} against run time"),
-            "time (ms)",
-            curves(by_time, of),
-        );
-        draw(
-            format!("work-precision-{name}step"),
-            format!("{title} against the step"),
-            "step size (s)",
-            curves(by_step, of),
-        );
+        for (against, words, x, series) in [
+            ("time", "run time", "time (ms)", curves(by_time, of)),
+            ("step", "the step", "step size (s)", curves(by_step, of)),
+        ] {
+            let y = Axis::log("error (dimensionless)").within(1e-5, 1.0);
+            let title = format!("{title} against {words}, {}", sheet.which());
+            let plot = Plot::new(title, Axis::log(x), y).with(series);
+            study.plot(&format!("work-precision-{name}{against}"), &plot);
+        }
     }
-    study.findings.table(
+    study.table(
         "work-precision",
         &format!("Three tenths of a second of {}", sheet.what()),
-        Table::of(&rows),
+        &rows,
     );
-    study.findings.section.notes.push(format!(
+    study.note(format!(
         "The reference is known to {doubt:.1e}: the distance between its two extrapolations."
     ));
-    study.findings.section.verdict = Some(verdict(sheet, &rows));
+    study.section.verdict = Some(verdict(sheet, &rows));
     play(study, sheet);
     Ok(())
 }
@@ -199,30 +186,23 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 /// The fastest to each error, in words.
 fn verdict(sheet: &TestSheet, rows: &[Row]) -> String {
     let parts = WANTED.map(|wanted| {
+        let is_good = |row: &&Row| row.error.is_some_and(|error| error <= wanted);
         let good = rows
             .iter()
-            .filter(|row| row.error.is_some_and(|error| error <= wanted));
-        let mut good: Vec<(&Row, Real)> = good.filter_map(|row| Some((row, row.ms?))).collect();
-        good.sort_by(|a, b| a.1.total_cmp(&b.1));
+            .filter(is_good)
+            .filter_map(|row| Some((row, row.ms?)));
+        let good = good.sorted_by(|a, b| a.1.total_cmp(&b.1));
         // Each method once.
-        let mut fastest: Vec<(&Row, Real)> = Vec::new();
-        for one in good {
-            if fastest.len() < 3 && fastest.iter().all(|(row, _)| row.method != one.0.method) {
-                fastest.push(one);
-            }
-        }
-        let named = fastest.iter().map(|(row, ms)| {
+        let fastest = good.unique_by(|(row, _)| row.method.as_str()).take(3);
+        let mut named = fastest.map(|(row, ms)| {
             format!(
                 "{} with 1/{} s ({ms:.1} ms)",
                 row.method, row.steps_per_second
             )
         });
-        match named.collect::<Vec<_>>() {
-            named if named.is_empty() => format!("to {wanted} of the size nobody gets"),
-            named => format!(
-                "to {wanted} of the size the fastest are {}",
-                named.join(", ")
-            ),
+        match named.join(", ") {
+            none if none.is_empty() => format!("to {wanted} of the size nobody gets"),
+            named => format!("to {wanted} of the size the fastest are {named}"),
         }
     });
     format!(
@@ -246,8 +226,7 @@ impl Reference {
         let at = |substeps: u32| {
             let settings = Settings::default().with("substeps", substeps);
             let method = Method::find("symplectic-euler")?;
-            let (_, end) =
-                run::from_start(scene, method, &settings, scene.dt, steps, |_, _, _| Ok(()))?;
+            let (_, end) = run::simulate(scene, method, &settings, scene.dt, steps)?;
             Ok::<_, BenchError>(end.positions)
         };
         let [coarse, middle, fine] = [at(REFERENCE)?, at(2 * REFERENCE)?, at(4 * REFERENCE)?];
@@ -302,46 +281,37 @@ fn fall(
 
 /// Every method at its default setting, on film.
 fn play(study: &mut StudyRun<'_>, sheet: &TestSheet) {
-    let scope = study.scope;
     let scene = &sheet.scene;
     let Some(mesh) = &scene.mesh else {
         return;
     };
-    let steps = (shown(scope) / scene.dt).round() as u32;
+    let seconds = study.scope.of(SHOWN);
+    let steps = (seconds / scene.dt).round() as u32;
     let mut tracks = Vec::new();
-    let methods: Vec<&Method> = method::all().collect();
+    let methods = method::all().collect_vec();
     let case_of = |method: &&Method| format!("{} on film", method.name);
     let films = study.cases.side_by_side(&methods, case_of, |method| {
         let settings = Settings::default();
         let mut frames = vec![scene.start.positions.clone()];
-        run::from_start(
-            scene,
-            method,
-            &settings,
-            scene.dt,
-            steps,
-            |step, state, _| {
-                if step % 2 == 0 {
-                    frames.push(state.positions.clone());
-                }
-                Ok(())
-            },
-        )?;
+        let keep = |step: u32, state: &State, _: &_| {
+            frames.extend(step.is_multiple_of(2).then(|| state.positions.clone()));
+            Ok(())
+        };
+        run::from_start(scene, method, &settings, scene.dt, steps, keep)?;
         Ok(Film::of_cloth(mesh.triangles(), &frames))
     });
     for (method, film) in methods.iter().zip(films) {
-        if let Some(film) = study.findings.unless_failed(&case_of(method), film) {
+        if let Some(film) = study.unless_failed(&case_of(method), film) {
             tracks.push(Track {
                 name: method.name.to_owned(),
                 surfaces: vec![film],
             });
         }
     }
-    study.findings.section.playbacks.push(Playback {
+    study.section.playbacks.push(Playback {
         caption: format!(
-            "{} for {} s, every method at its default setting with steps of {:.4} s.",
+            "{} for {seconds} s, every method at its default setting with steps of {:.4} s.",
             sheet.which(),
-            shown(scope),
             scene.dt
         ),
         seconds_per_frame: 2.0 * scene.dt,

@@ -24,26 +24,10 @@ const SWEEPS: u32 = 8000;
 const TIME: Real = 0.3;
 
 /// Steps per second.
-fn rates(scope: Scope) -> &'static [u32] {
-    scope.pick(&[30, 60, 120, 240], &[30, 60, 120, 240, 480, 960, 1920])
-}
+const RATES: [&[u32]; 2] = [&[30, 60, 120, 240], &[30, 60, 120, 240, 480, 960, 1920]];
 
 /// Stiffness of the links (N/m).
 const STIFFNESSES: [Real; 2] = [200.0, 1e4];
-
-/// A chain of this stiffness and a step.
-#[derive(Default, Serialize)]
-struct Point {
-    #[serde(rename = "stiffness (N/m)")]
-    stiffness: Real,
-    steps_per_second: u32,
-}
-
-impl Point {
-    fn dt(&self) -> Real {
-        1.0 / Real::from(self.steps_per_second)
-    }
-}
 
 /// What the sweeps leave, and the direct solver.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -70,39 +54,24 @@ pub struct Floor {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let rates = rates(study.scope);
-    let of_stiffness = |stiffness| {
-        rates.iter().map(move |&steps_per_second| Point {
-            stiffness,
-            steps_per_second,
-        })
-    };
+    let rates = study.scope.of(RATES);
+    let step = |rate: u32| 1.0 / Real::from(rate);
     let mut rows = study.grid(
-        STIFFNESSES.into_iter().flat_map(of_stiffness),
-        |point| {
-            format!(
-                "k = {} N/m, 1/{} s",
-                point.stiffness, point.steps_per_second
-            )
-        },
-        |point| {
-            let settings = format!(
-                "n={LINKS} link=0.1 mass=0.1 tip_mass=0.1 stiffness={}",
-                point.stiffness
-            );
-            floor(
-                &scene::build("chain", None, &Settings::of(&settings))?,
-                point.dt(),
-            )
+        iproduct!(STIFFNESSES, rates.iter().copied()),
+        |(k, rate)| format!("k = {k} N/m, 1/{rate} s"),
+        |&(k, rate)| {
+            let settings = format!("n={LINKS} link=0.1 mass=0.1 tip_mass=0.1 stiffness={k}");
+            let scene = scene::build("chain", None, &Settings::of(&settings))?;
+            floor(&scene, step(rate))
         },
     );
     for line in 1..rows.len() {
-        let [(before, above), (point, floor)] = &rows[line - 1..=line] else {
+        let [((before, coarse), above), ((k, fine), floor)] = &rows[line - 1..=line] else {
             continue;
         };
-        if before.stiffness == point.stiffness {
-            let order = (above.objective / floor.objective).ln() / (before.dt() / point.dt()).ln();
-            rows[line].1.order = Some(order);
+        if before == k {
+            let shorter = step(*coarse) / step(*fine);
+            rows[line].1.order = Some((above.objective / floor.objective).ln() / shorter.ln());
         }
     }
     let [first, .., last] = rates else {
@@ -112,53 +81,41 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let mut falls = Table::about("stiffness", steps);
     for k in STIFFNESSES {
         let left = [first, last].map(|&rate| {
-            let is_it = |(point, _): &&(Point, Floor)| {
-                (point.stiffness, point.steps_per_second) == (k, rate)
-            };
-            let floor = rows.iter().find(is_it).map(|(_, floor)| floor.objective);
-            floor.map_or(Cell::Missing, |floor| Cell::said(significant(floor, 2)))
+            let row = rows.iter().find(|(at, _)| *at == (k, rate));
+            row.map_or(Cell::Missing, |(_, floor)| {
+                Cell::said(significant(floor.objective, 2))
+            })
         });
         falls.line(Cell::said(format!("{} N/m", two(k))), left);
     }
     let told = "Converged sweeps of XPBD do not end at the implicit Euler step; the table has what is left of the objective, (G − G*)/(G(x̃) − G*).";
-    study.findings.answer(
+    study.answer(
         "What does XPBD's floor cost?",
         told.into(),
         Some(falls),
         "table-xpbd-floor",
     );
-    study.findings.section.verdict = Some(
+    study.section.verdict = Some(
         "Converged sweeps of XPBD do not end at the implicit Euler step, and come nearer with shorter steps; the direct solver of the same constraints ends there."
             .into(),
     );
-    study.findings.table(
+    study.table(
         "xpbd-floor",
         "Converged sweeps of XPBD and the direct solver beside the implicit Euler step",
-        Table::of(&rows),
+        Table::named(&["stiffness (N/m)", "steps per second"], &rows),
     );
-    let both = rows.iter().flat_map(|(point, floor)| {
-        [("objective", floor.objective), ("gradient", floor.gradient)].map(|(name, error)| {
-            (
-                format!("{name}, k = {}", point.stiffness),
-                (point.dt(), error),
-            )
-        })
+    let both = rows.iter().flat_map(|&((k, rate), ref floor)| {
+        [("objective", floor.objective), ("gradient", floor.gradient)]
+            .map(|(name, error)| (format!("{name}, k = {k}"), (step(rate), error)))
     });
-    let plot = Plot::new(
-        "What converged sweeps leave of the implicit Euler step",
-        Axis::log("step size (s)"),
-        Axis::log("relative error (dimensionless)"),
-    );
-    study
-        .findings
-        .plot("xpbd-floor", &plot.with(curves(both, |point| point)));
+    let title = "What converged sweeps leave of the implicit Euler step";
+    let error = Axis::log("relative error (dimensionless)");
+    let plot = Plot::new(title, Axis::log("step size (s)"), error);
+    study.plot("xpbd-floor", &plot.with(curves(both, |point| point)));
     Ok(())
 }
 
 /// Steps by converged sweeps and by the direct solver on a scene of springs, with steps of `dt` (s).
-///
-/// # Errors
-/// [`BenchError::Failed`] if the reference does not converge, or with a solver's own error.
 pub fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {
     let problem = StepProblem::after(scene, (TIME / dt).round() as u32, dt)?;
     let model = &scene.model;

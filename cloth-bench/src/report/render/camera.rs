@@ -97,7 +97,6 @@ impl Camera {
 
     /// Where a point (m) stands: samples from left and top, and nearness, which grows towards the
     /// camera and is linear in the picture. `None` behind the eye.
-    #[must_use]
     pub fn project(&self, point: &Vec3) -> Option<[f64; 3]> {
         let x = point - self.centre;
         let towards = self.back.dot(&x);

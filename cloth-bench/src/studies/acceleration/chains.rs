@@ -5,9 +5,7 @@ use crate::studies::prelude::*;
 
 const SOLVERS: [&str; 4] = ["jacobi", "gauss-seidel", "sor", "chebyshev"];
 
-fn links(scope: Scope) -> &'static [u32] {
-    scope.pick(&[5, 20, 80], &[5, 10, 20, 40, 80, 160])
-}
+const LINKS: [&[u32]; 2] = [&[5, 20, 80], &[5, 10, 20, 40, 80, 160]];
 
 /// Sweeps that divide the slowest error by ten, given the factor by which one shrinks it.
 fn per_decade(factor: Real) -> Real {
@@ -16,28 +14,20 @@ fn per_decade(factor: Real) -> Real {
 
 /// Draws the measurements and the closed forms through them.
 pub(super) fn run(study: &mut StudyRun<'_>) {
-    let links = links(study.scope).iter();
-    let points = || {
-        SOLVERS
-            .into_iter()
-            .flat_map(|solver| links.clone().map(move |&n| (solver, n)))
-    };
-    // Measured and expected.
-    let rates = study.case("chains of rigid links", || {
-        let law = Law::find("chain-rate")?;
-        let rate = |(solver, links)| {
-            let evaluation =
-                law.evaluate(&Settings::of(&format!("solver={solver} links={links}")))?;
+    let law = Law::find("chain-rate").expect("a law of this program");
+    let links = study.scope.of(LINKS).iter().copied();
+    let found = study.grid(
+        iproduct!(SOLVERS, links),
+        |(solver, links)| format!("chain of {links} rigid links by {solver}"),
+        |(solver, links)| {
+            let settings = Settings::of(&format!("solver={solver} links={links}"));
+            let evaluation = law.evaluate(&settings)?;
             Ok([evaluation.measured, evaluation.expected])
-        };
-        points()
-            .map(rate)
-            .collect::<Result<Vec<[Real; 2]>, BenchError>>()
-    });
-    let Some(rates) = rates else { return };
+        },
+    );
     let curves_of = |which: usize, ending: &str| {
-        curves(points().zip(&rates), |((solver, links), rate)| {
-            let point = (Real::from(links), per_decade(rate[which]));
+        curves(&found, |((solver, links), rate)| {
+            let point = (Real::from(*links), per_decade(rate[which]));
             (format!("{solver}{ending}"), point)
         })
     };
@@ -46,5 +36,5 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         .points(curves_of(0, ""))
         .exact_curves(curves_of(1, ", exact"))
         .note("Dashed: from the spectral radii cos a, cos² a, (1 − sin a)/(1 + sin a) and cos a/(1 + sin a), a = π/2N.");
-    study.findings.plot("acceleration-chains", &plot);
+    study.plot("acceleration-chains", &plot);
 }

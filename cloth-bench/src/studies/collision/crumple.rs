@@ -1,6 +1,5 @@
 //! A crumpled sheet: what the search for candidates costs, and contact itself, as the sheet gets finer.
 
-use super::super::{Findings, Scope};
 use crate::crumpled::{BROAD_PHASES, NewBroadPhase, accordion, boxes};
 use crate::studies::prelude::*;
 use cloth_collide::potential::PotentialContacts;
@@ -17,9 +16,7 @@ const GAP: Real = 1.1;
 /// What the height of the pile is pressed to.
 const PRESSED: Real = 0.9;
 
-fn sides(scope: Scope) -> &'static [usize] {
-    scope.pick(&[33], &[33, 129, 321])
-}
+const SIDES: [&[usize]; 2] = [&[33], &[33, 129, 321]];
 
 /// The accordion with `side` vertices a side. The distance of the layers shrinks with the triangles, so that a vertex
 /// has as many neighbours in a fine sheet as in a coarse one. Also gives the thickness (m) of such a cloth.
@@ -45,8 +42,11 @@ fn timed<T>(work: impl FnOnce() -> T) -> Real {
     started.elapsed().as_secs_f64()
 }
 
-/// The row of the tree: making it, letting it follow its boxes, and searching it.
-fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<[(&'static str, Cell); 4], BenchError> {
+/// Times (ms) of making the tree, letting it follow its boxes, and searching it.
+type Tree = (usize, Real, Real, Real);
+const TREE: [&str; 4] = ["triangles", "build (ms)", "refit (ms)", "search (ms)"];
+
+fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<Tree, BenchError> {
     let mut tree = Hierarchy::over(boxes);
     let build = shortest(|| Ok(timed(|| Hierarchy::over(boxes))))?;
     let refit = shortest(|| Ok(timed(|| tree.refit(boxes.iter().copied()))))?;
@@ -55,24 +55,30 @@ fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<[(&'static str, Cell
         pairs.clear();
         Ok(timed(|| tree.visit_overlapping(|a, b| pairs.push([a, b]))))
     })?;
-    Ok([
-        ("triangles", Cell::from(triangles)),
-        ("build (ms)", Cell::from(build)),
-        ("refit (ms)", Cell::from(refit)),
-        ("search (ms)", Cell::from(query)),
-    ])
+    Ok((triangles, build, refit, query))
 }
 
-/// The row of a broad phase: its first search, memory and the shape of a tree included, a later one, and all from
-/// positions to sorted candidates.
+/// A broad phase: its first search, memory and the shape of a tree included, a later one, and all from positions to
+/// sorted candidates.
+type Search = (usize, String, Real, Real, usize, Real, usize, Real);
+const SEARCH: [&str; 8] = [
+    "triangles",
+    "broad phase",
+    "first (ms)",
+    "again (ms)",
+    "pairs of triangles",
+    "candidates (ms)",
+    "candidates",
+    "candidates, ns a triangle",
+];
+
 fn search(
-    name: &str,
-    new: NewBroadPhase,
+    (name, new): (&str, NewBroadPhase),
     mesh: &TriMesh,
     positions: &[Vec3],
     boxes: &[Bounds],
     margin: Real,
-) -> Result<[(&'static str, Cell); 8], BenchError> {
+) -> Result<Search, BenchError> {
     let mut pairs = Vec::new();
     let first = shortest(|| {
         let mut fresh = new();
@@ -88,19 +94,17 @@ fn search(
     })?;
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
     let triangles = mesh.triangle_count();
-    Ok([
-        ("triangles", Cell::from(triangles)),
-        ("broad phase", Cell::from(name)),
-        ("first (ms)", Cell::from(first)),
-        ("again (ms)", Cell::from(again)),
-        ("pairs of triangles", Cell::from(pairs.len())),
-        ("candidates (ms)", Cell::from(all)),
-        ("candidates", Cell::from(found)),
-        (
-            "candidates, ns a triangle",
-            Cell::from(1e6 * all / triangles as Real),
-        ),
-    ])
+    let each = 1e6 * all / triangles as Real;
+    Ok((
+        triangles,
+        name.to_owned(),
+        first,
+        again,
+        pairs.len(),
+        all,
+        found,
+        each,
+    ))
 }
 
 /// Sweeps over the contacts of a step.
@@ -135,12 +139,9 @@ fn resolve(
         // Where the last step ended, the next one may start without a look at all pairs of triangles: so it is in a
         // simulation.
         stay(contacts, from, &inverse_mass)?;
-        let mut positions: Vec<_> = from.iter().map(&end).collect();
-        let mut velocities: Vec<_> = positions
-            .iter()
-            .zip(from)
-            .map(|(a, b)| (a - b) / DT)
-            .collect();
+        let mut positions = from.iter().map(&end).collect_vec();
+        let velocities = positions.iter().zip(from).map(|(a, b)| (a - b) / DT);
+        let mut velocities = velocities.collect_vec();
         let step = ContactStep {
             from,
             inverse_mass: &inverse_mass,
@@ -166,103 +167,101 @@ fn step(method: &str, side: usize) -> Result<Real, BenchError> {
     })
 }
 
-/// What contact costs at the finest size where it was compared with steps.
-#[derive(Clone, Copy, Debug, Default)]
+/// What contact costs, beside steps where these were taken.
+#[derive(Default, Serialize, Deserialize)]
 struct Cost {
     triangles: usize,
-    /// Resolving a pressed pile, in steps of XPBD and of PD.
-    in_steps: [Real; 2],
+    #[serde(rename = "moves as one (ms)")]
+    together: Real,
+    #[serde(rename = "pressed (ms)")]
+    pressed: Real,
+    pairs_looked_at: usize,
+    rows: usize,
+    #[serde(rename = "pressed, µs a triangle")]
+    per_triangle: Real,
+    #[serde(rename = "XPBD step (ms)")]
+    xpbd: Option<Real>,
+    #[serde(rename = "PD step (ms)")]
+    pd: Option<Real>,
+    #[serde(rename = "pressed / XPBD step")]
+    in_xpbd: Option<Real>,
+    #[serde(rename = "pressed / PD step")]
+    in_pd: Option<Real>,
 }
 
-/// Adds both tables, and says what contact costs.
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
-) -> Result<String, BenchError> {
-    let mut searches = Table::default();
-    let mut tree = Table::default();
-    let mut costs = Table::default();
-    let mut cost = Cost::default();
-    let mut each = Vec::new();
-    for &side in sides(scope) {
-        let (mesh, from, thickness) = crumpled(side)?;
-        let triangles = mesh.triangle_count();
-        progress(&format!(
-            "collision: crumpled sheet of {triangles} triangles"
-        ));
-        let margin = 2.0 * thickness;
-        let boxes = boxes(&mesh, &from, margin);
-        tree.push(tree_alone(triangles, &boxes)?);
-        for (name, new) in BROAD_PHASES {
-            searches.push(search(name, new, &mesh, &from, &boxes, margin)?);
-        }
-        let builder = PotentialContacts::builder(&mesh)
-            .thickness(thickness)
-            .friction(0.3);
-        let mut contacts = builder.build()?;
-        let shift = Vec3::new(0.01, 0.0, 0.02);
-        let together = resolve(&mut contacts, &from, |x| x + shift)?;
-        let pressed = resolve(&mut contacts, &from, |x| Vec3::new(x.x, x.y, PRESSED * x.z))?;
-        // At the finest size the factor of PD alone takes longer than all the rest.
-        let steps = (side < 200)
-            .then(|| Ok::<_, BenchError>([step("xpbd", side)?, step("pd", side)?]))
-            .transpose()?;
-        if let Some(steps) = steps {
-            (cost.triangles, cost.in_steps) = (triangles, steps.map(|step| pressed / step));
-        }
-        let per_triangle = pressed / triangles as Real;
-        each.push(per_triangle);
-        costs.push([
-            ("triangles", Cell::from(triangles)),
-            ("moves as one (ms)", Cell::from(together)),
-            ("pressed (ms)", Cell::from(pressed)),
-            (
-                "pairs looked at",
-                Cell::from(contacts.constraint_report().looked as usize),
-            ),
-            (
-                "rows",
-                Cell::from(contacts.constraint_report().rows as usize),
-            ),
-            ("pressed, µs a triangle", Cell::from(1e3 * per_triangle)),
-            ("XPBD step (ms)", Cell::from(steps.map(|s| s[0]))),
-            ("PD step (ms)", Cell::from(steps.map(|s| s[1]))),
-            (
-                "pressed / XPBD step",
-                Cell::from(steps.map(|s| pressed / s[0])),
-            ),
-            (
-                "pressed / PD step",
-                Cell::from(steps.map(|s| pressed / s[1])),
-            ),
-        ]);
-    }
-    findings.table(
+/// What a sheet of so many vertices a side costs.
+fn measure(side: usize) -> Result<(Tree, Vec<Search>, Cost), BenchError> {
+    let (mesh, from, thickness) = crumpled(side)?;
+    let triangles = mesh.triangle_count();
+    let margin = 2.0 * thickness;
+    let boxes = boxes(&mesh, &from, margin);
+    let tree = tree_alone(triangles, &boxes)?;
+    let searches = BROAD_PHASES.into_iter();
+    let searches = searches.map(|phase| search(phase, &mesh, &from, &boxes, margin));
+    let searches = searches.try_collect()?;
+    let builder = PotentialContacts::builder(&mesh);
+    let mut contacts = builder.thickness(thickness).friction(0.3).build()?;
+    let shift = Vec3::new(0.01, 0.0, 0.02);
+    let together = resolve(&mut contacts, &from, |x| x + shift)?;
+    let pressed = resolve(&mut contacts, &from, |x| Vec3::new(x.x, x.y, PRESSED * x.z))?;
+    let report = contacts.constraint_report();
+    // At the finest size the factor of PD alone takes longer than all the rest.
+    let [xpbd, pd] = match side < 200 {
+        true => [Some(step("xpbd", side)?), Some(step("pd", side)?)],
+        false => [None; 2],
+    };
+    let cost = Cost {
+        triangles,
+        together,
+        pressed,
+        pairs_looked_at: report.looked as usize,
+        rows: report.rows as usize,
+        per_triangle: 1e3 * pressed / triangles as Real,
+        xpbd,
+        pd,
+        in_xpbd: xpbd.map(|step| pressed / step),
+        in_pd: pd.map(|step| pressed / step),
+    };
+    Ok((tree, searches, cost))
+}
+
+/// Adds the tables, and says what contact costs.
+pub(super) fn run(study: &mut StudyRun<'_>) -> Option<String> {
+    let found = study.grid(
+        study.scope.of(SIDES).iter().copied(),
+        |side| format!("crumpled sheet, {side} × {side}"),
+        |&side| measure(side),
+    );
+    let found = found.into_iter().map(|(_, found)| found);
+    let (tree, searches, costs): (Vec<_>, Vec<_>, Vec<_>) = found.multiunzip();
+    study.table(
         "collision-broad-phase",
         "Candidates of a crumpled sheet, from three broad phases that find the same ones",
-        searches,
+        Table::named(&SEARCH, &searches.concat()),
     );
-    findings.table(
+    study.table(
         "collision-tree",
         "The tree of boxes (parry's Bvh) alone, over the triangles of the same sheet",
-        tree,
+        Table::named(&TREE, &tree),
     );
-    findings.table(
+    study.table(
         "collision-cost",
         "One resolved step of a crumpled sheet, beside a step of a method without contact",
-        costs,
+        &costs,
     );
-    let [xpbd, pd] = cost.in_steps;
-    let growth = match each[..] {
+    let growth = match &costs[..] {
         [smallest, .., largest] => format!(
             "; per triangle the largest sheet takes {:.1} times as long as the smallest",
-            largest / smallest
+            largest.per_triangle / smallest.per_triangle
         ),
         _ => String::new(),
     };
-    Ok(format!(
-        "In a pile of sixteen layers, {} triangles in all, resolving a step costs {xpbd:.1} steps of XPBD or {pd:.1} of PD{growth}.",
-        cost.triangles
+    let compared = costs
+        .iter()
+        .rev()
+        .find_map(|cost| Some((cost.triangles, cost.in_xpbd?, cost.in_pd?)));
+    let (triangles, xpbd, pd) = compared?;
+    Some(format!(
+        "In a pile of sixteen layers, {triangles} triangles in all, resolving a step costs {xpbd:.1} steps of XPBD or {pd:.1} of PD{growth}."
     ))
 }

@@ -114,17 +114,11 @@ pub(super) fn wrap(degrees: Real) -> Real {
 }
 
 /// The ratio of the forces at both ends at which a strip slips that goes half-way around.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn slipping(name: &str, friction: Real) -> Result<Measured, BenchError> {
     slip(name, TURNS, friction)
 }
 
 /// The same of a strip that goes around by so many degrees, of which a cell takes 11.25.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn wrapping(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     slip(name, turns_of(degrees), MU)
 }
@@ -167,16 +161,10 @@ fn slip(name: &str, turns: usize, friction: Real) -> Result<Measured, BenchError
         }
         step += 1;
         if step > SETTLE && (state.positions[top[0]] - from[step % WITHIN]).norm() > SLIPPED {
-            return Ok(Measured {
-                expected: Number(expected),
-                measured: Number(ratio),
-            });
+            return Ok(Measured::new(expected, ratio));
         }
     }
-    Ok(Measured {
-        expected: Number(expected),
-        measured: Number(Real::INFINITY),
-    })
+    Ok(Measured::new(expected, Real::INFINITY))
 }
 
 /// What contact does in the second half of so many steps, on average (N).
@@ -215,17 +203,11 @@ pub(super) fn side_pressure(degrees: Real) -> Real {
 
 /// The pressure on top of the cylinder over that of the weight alone, of a strip that hangs down without friction so
 /// that its ends are so many radii below its top. Expected is that of the height that its cells come to.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn pressing(name: &str, height_over_radius: Real) -> Result<Measured, BenchError> {
     press(name, height_over_radius, 0)
 }
 
 /// The same at an angle from the top, of a strip that hangs down by three radii.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn pressing_at(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     press(name, HEIGHT, turns_of(degrees))
 }
@@ -242,16 +224,13 @@ fn press(name: &str, height_over_radius: Real, cells: usize) -> Result<Measured,
         row.iter().map(|&v| forces.normal[v].dot(&outwards)).sum()
     })?;
     let height = (around + tail * side) / around;
-    Ok(Measured {
-        expected: Number(height - 1.0 + 2.0 * angle.cos()),
-        measured: Number(force / (side * side * DENSITY * G)),
-    })
+    Ok(Measured::new(
+        height - 1.0 + 2.0 * angle.cos(),
+        force / (side * side * DENSITY * G),
+    ))
 }
 
 /// The force of a floor under sheets that lie on each other, over the weight of one.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn stack(name: &str, sheets: Real) -> Result<Measured, BenchError> {
     let settings = Settings::of("n=6").with("sheets", sheets);
     let scene = scene::build("stack", None, &settings)?;
@@ -259,8 +238,5 @@ pub fn stack(name: &str, sheets: Real) -> Result<Measured, BenchError> {
         -forces.bodies.iter().map(|body| body.force.z).sum::<Real>()
     })?;
     let weight = scene.model.particles.mass().iter().sum::<Real>() * G / sheets;
-    Ok(Measured {
-        expected: Number(sheets),
-        measured: Number(force / weight),
-    })
+    Ok(Measured::new(sheets, force / weight))
 }

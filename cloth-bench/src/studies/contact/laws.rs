@@ -17,7 +17,6 @@ const SLIDE: u32 = 30;
 const SETTLE: u32 = 40;
 
 /// Who is asked.
-#[must_use]
 pub fn methods() -> Vec<&'static str> {
     method::with_own(&[
         "symplectic-euler",
@@ -28,21 +27,6 @@ pub fn methods() -> Vec<&'static str> {
         "xpbd",
         "pd",
     ])
-}
-
-/// Slopes (°).
-fn angles(scope: Scope) -> &'static [Real] {
-    scope.pick(
-        &[10.0, 20.0, 40.0],
-        &[
-            5.0, 10.0, 15.0, 16.5, 17.0, 18.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0,
-        ],
-    )
-}
-
-/// Areal densities (kg/m²). From 102 on the cloth is pressed to less than half its thickness, where the law is another.
-fn densities(scope: Scope) -> &'static [Real] {
-    scope.pick(&[0.2, 20.0], &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0])
 }
 
 /// A sheet of `n` vertices a side above a floor, at the gap (m), under gravity that is inclined by an angle (rad).
@@ -75,41 +59,36 @@ pub struct Measured {
     pub measured: Number,
 }
 
+impl Measured {
+    pub(super) fn new(expected: Real, measured: Real) -> Self {
+        let [expected, measured] = [expected, measured].map(Number);
+        Self { expected, measured }
+    }
+}
+
 /// How far (m) a sheet slides from rest, and the closed form of the method's own steps, as of its free fall.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     let angle = degrees.to_radians();
     let density = 0.2;
     let scene = sheet(9, density, angle, gap(density, angle))?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
-    let (_, end) = run::from_start(&scene, method, &settings, scene.dt, SLIDE, |_, _, _| Ok(()))?;
+    let (_, end) = run::simulate(&scene, method, &settings, scene.dt, SLIDE)?;
     let count = end.positions.len() as Real;
     let both = end.positions.iter().zip(&scene.start.positions);
     let measured = both.map(|(b, a)| b.x - a.x).sum::<Real>() / count;
     let substeps = method.substeps(&scene, &settings, scene.dt)?;
     let h = scene.dt / Real::from(substeps);
     let steps = method.free_fall(SLIDE * substeps);
-    Ok(Measured {
-        expected: Number(0.5 * pull(angle) * h * h * steps),
-        measured: Number(measured),
-    })
+    Ok(Measured::new(0.5 * pull(angle) * h * h * steps, measured))
 }
 
 /// The gap (m) at which a sheet of an areal density (kg/m²) comes to rest.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
     settle(name, 9, density)
 }
 
 /// The same of one of 20 kg/m² with so many vertices a side.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn rest_at(name: &str, vertices_a_side: Real) -> Result<Measured, BenchError> {
     settle(name, vertices_a_side as u32, HEAVY)
 }
@@ -119,137 +98,147 @@ fn settle(name: &str, n: u32, density: Real) -> Result<Measured, BenchError> {
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let start = scene.start.positions.iter().map(|x| x.z).sum::<Real>();
-    let (_, end) = run::from_start(
-        &scene,
-        method,
-        &settings,
-        scene.dt,
-        SETTLE,
-        |_, _, _| Ok(()),
-    )?;
+    let (_, end) = run::simulate(&scene, method, &settings, scene.dt, SETTLE)?;
     let count = end.positions.len() as Real;
     let sunk = (start - end.positions.iter().map(|x| x.z).sum::<Real>()) / count;
-    Ok(Measured {
-        expected: Number(gap(density, 0.0)),
-        measured: Number(THICKNESS - sunk),
-    })
+    Ok(Measured::new(gap(density, 0.0), THICKNESS - sunk))
 }
 
+struct Law {
+    name: &'static str,
+    title: &'static str,
+    x: &'static str,
+    y: &'static str,
+    exact: &'static str,
+    closed_form: fn(Real) -> Real,
+    /// In the quick scope and in the full one.
+    points: [&'static [Real]; 2],
+    measure: fn(&str, Real) -> Result<Measured, BenchError>,
+}
+
+const LAWS: [Law; 8] = [
+    Law {
+        name: "slide",
+        title: "How far a sheet slides within 0.5 s down a slope, μ = 0.3",
+        x: "slope (°)",
+        y: "way (m)",
+        exact: "½ g (sin α − μ cos α) t²",
+        closed_form: |degrees| 0.125 * pull(degrees.to_radians()),
+        points: [
+            &[10.0, 20.0, 40.0],
+            &[
+                5.0, 10.0, 15.0, 16.5, 17.0, 18.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0,
+            ],
+        ],
+        measure: slide,
+    },
+    Law {
+        name: "gap",
+        title: "The gap at which a sheet lies on a floor, κ = 1e6 Pa/m",
+        x: "areal density (kg/m²)",
+        y: "gap (m)",
+        exact: "h − ρ g/κ",
+        closed_form: |density| gap(density, 0.0),
+        // From 102 on the cloth is pressed to less than half its thickness, where the law is another.
+        points: [&[0.2, 20.0], &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0]],
+        measure: rest,
+    },
+    Law {
+        name: "gap-size",
+        title: "The same of a sheet of 20 kg/m² on every mesh",
+        x: "vertices a side (dimensionless)",
+        y: "gap (m)",
+        exact: "h − ρ g/κ",
+        closed_form: |_| gap(HEAVY, 0.0),
+        points: [&[3.0, 9.0], &[3.0, 5.0, 9.0, 17.0, 33.0]],
+        measure: rest_at,
+    },
+    Law {
+        name: "stack",
+        title: "The force of a floor under sheets that lie on each other, over the weight of one",
+        x: "sheets (dimensionless)",
+        y: "force over one weight (dimensionless)",
+        exact: "N",
+        closed_form: |sheets| sheets,
+        points: [&[1.0, 3.0], &[1.0, 2.0, 3.0, 5.0, 10.0]],
+        measure: cylinder::stack,
+    },
+    Law {
+        name: "capstan",
+        title: "The ratio of the forces at its ends at which a strip slips on a cylinder",
+        x: "coefficient of friction (dimensionless)",
+        y: "ratio (dimensionless)",
+        exact: "e^μπ",
+        closed_form: cylinder::capstan,
+        points: [&[0.3], &[0.1, 0.2, 0.3, 0.4, 0.5]],
+        measure: cylinder::slipping,
+    },
+    Law {
+        name: "wrap",
+        title: "The same with μ = 0.3 by the angle of contact",
+        x: "angle of contact (°)",
+        y: "ratio (dimensionless)",
+        exact: "e^μθ",
+        closed_form: cylinder::wrap,
+        points: [&[90.0], &[45.0, 90.0, 135.0, 180.0]],
+        measure: cylinder::wrapping,
+    },
+    Law {
+        name: "pressure",
+        title: "The pressure on top of a cylinder under a strip that hangs down on both sides, over that of its weight",
+        x: "height of the top above the ends over the radius (dimensionless)",
+        y: "pressure over ρ g (dimensionless)",
+        exact: "1 + H/R",
+        closed_form: cylinder::top_pressure,
+        points: [&[3.0], &[1.0, 2.0, 3.0, 4.0, 6.0]],
+        measure: cylinder::pressing,
+    },
+    Law {
+        name: "pressure-side",
+        title: "The same beside the top, H = 3 R",
+        x: "angle from the top (°)",
+        y: "pressure over ρ g (dimensionless)",
+        exact: "H/R − 1 + 2 cos φ",
+        closed_form: cylinder::side_pressure,
+        points: [&[45.0], &[0.0, 22.5, 45.0, 67.5]],
+        measure: cylinder::pressing_at,
+    },
+];
+
 pub(super) fn run(study: &mut StudyRun<'_>) {
-    let scope = study.scope;
-    let laws: [Law; 8] = [
-        Law {
-            name: "slide",
-            title: "How far a sheet slides within 0.5 s down a slope, μ = 0.3",
-            x: "slope (°)",
-            y: "way (m)",
-            exact: "½ g (sin α − μ cos α) t²",
-            closed_form: |degrees| 0.125 * pull(degrees.to_radians()),
-            points: angles(scope),
-            measure: slide,
-        },
-        Law {
-            name: "gap",
-            title: "The gap at which a sheet lies on a floor, κ = 1e6 Pa/m",
-            x: "areal density (kg/m²)",
-            y: "gap (m)",
-            exact: "h − ρ g/κ",
-            closed_form: |density| gap(density, 0.0),
-            points: densities(scope),
-            measure: rest,
-        },
-        Law {
-            name: "gap-size",
-            title: "The same of a sheet of 20 kg/m² on every mesh",
-            x: "vertices a side (dimensionless)",
-            y: "gap (m)",
-            exact: "h − ρ g/κ",
-            closed_form: |_| gap(HEAVY, 0.0),
-            points: scope.pick(&[3.0, 9.0], &[3.0, 5.0, 9.0, 17.0, 33.0]),
-            measure: rest_at,
-        },
-        Law {
-            name: "stack",
-            title: "The force of a floor under sheets that lie on each other, over the weight of one",
-            x: "sheets (dimensionless)",
-            y: "force over one weight (dimensionless)",
-            exact: "N",
-            closed_form: |sheets| sheets,
-            points: scope.pick(&[1.0, 3.0], &[1.0, 2.0, 3.0, 5.0, 10.0]),
-            measure: cylinder::stack,
-        },
-        Law {
-            name: "capstan",
-            title: "The ratio of the forces at its ends at which a strip slips on a cylinder",
-            x: "coefficient of friction (dimensionless)",
-            y: "ratio (dimensionless)",
-            exact: "e^μπ",
-            closed_form: cylinder::capstan,
-            points: scope.pick(&[0.3], &[0.1, 0.2, 0.3, 0.4, 0.5]),
-            measure: cylinder::slipping,
-        },
-        Law {
-            name: "wrap",
-            title: "The same with μ = 0.3 by the angle of contact",
-            x: "angle of contact (°)",
-            y: "ratio (dimensionless)",
-            exact: "e^μθ",
-            closed_form: cylinder::wrap,
-            points: scope.pick(&[90.0], &[45.0, 90.0, 135.0, 180.0]),
-            measure: cylinder::wrapping,
-        },
-        Law {
-            name: "pressure",
-            title: "The pressure on top of a cylinder under a strip that hangs down on both sides, over that of its weight",
-            x: "height of the top above the ends over the radius (dimensionless)",
-            y: "pressure over ρ g (dimensionless)",
-            exact: "1 + H/R",
-            closed_form: cylinder::top_pressure,
-            points: scope.pick(&[3.0], &[1.0, 2.0, 3.0, 4.0, 6.0]),
-            measure: cylinder::pressing,
-        },
-        Law {
-            name: "pressure-side",
-            title: "The same beside the top, H = 3 R",
-            x: "angle from the top (°)",
-            y: "pressure over ρ g (dimensionless)",
-            exact: "H/R − 1 + 2 cos φ",
-            closed_form: cylinder::side_pressure,
-            points: scope.pick(&[45.0], &[0.0, 22.5, 45.0, 67.5]),
-            measure: cylinder::pressing_at,
-        },
-    ];
     let mut rows: Vec<Row> = Vec::new();
     let mut told = Vec::new();
-    for law in laws {
-        let of_method = |method| law.points.iter().map(move |&x| (method, x));
+    for law in LAWS {
+        let points = study.scope.of(law.points);
         let found = study.grid_side_by_side(
-            methods().into_iter().flat_map(of_method),
+            iproduct!(methods(), points.iter().copied()),
             |(method, x)| format!("{} at {x} by {method}", law.name),
             |&(method, x)| (law.measure)(method, x),
         );
-        let ours: Vec<Row> = found
-            .into_iter()
-            .map(|(at, found)| row(law.name, at, found))
-            .collect();
+        let row = |((method, x), found): (_, Measured)| Row {
+            law: law.name,
+            method,
+            x,
+            closed_form: found.expected.0,
+            measured: found.measured.0,
+            error: found.measured.0 - found.expected.0,
+        };
+        let ours = found.into_iter().map(row).collect_vec();
         let measured = curves(&ours, |row| (row.method, (row.x, row.measured)));
-        let exact = law.points.iter().map(|&x| (x, (law.closed_form)(x)));
+        let exact = points.iter().map(|&x| (x, (law.closed_form)(x)));
         let plot = Plot::new(law.title, Axis::linear(law.x), Axis::linear(law.y));
         let plot = plot.points(measured).exact(law.exact, exact);
-        study.findings.plot(&format!("contact-{}", law.name), &plot);
-        let worst = methods().into_iter().map(|method| {
-            let errors = ours
-                .iter()
-                .filter(|row| row.method == method)
-                .map(|row| row.error.abs());
-            format!("{method} {}", significant(errors.fold(0.0, Real::max), 2))
+        study.plot(&format!("contact-{}", law.name), &plot);
+        let mut worst = methods().into_iter().map(|method| {
+            let ours = ours.iter().filter(|row| row.method == method);
+            let most = ours.map(|row| row.error.abs()).fold(0.0, Real::max);
+            format!("{method} {}", significant(most, 2))
         });
-        let worst = worst.collect::<Vec<_>>().join(", ");
-        told.push(format!("{}, {}: {worst}", law.exact, law.y));
+        told.push(format!("{}, {}: {}", law.exact, law.y, worst.join(", ")));
         rows.extend(ours);
     }
-    study.findings.data("contact-laws", Table::of(&rows));
-    study.findings.section.notes.push(format!(
+    study.data("contact-laws", &rows);
+    study.note(format!(
         "Largest distance from the closed forms, that of a slide in the method's own steps: {}.",
         told.join("; ")
     ));
@@ -264,28 +253,4 @@ struct Row {
     closed_form: Real,
     measured: Real,
     error: Real,
-}
-
-fn row(law: &'static str, (method, x): (&'static str, Real), found: Measured) -> Row {
-    let (closed_form, measured) = (found.expected.0, found.measured.0);
-    let error = measured - closed_form;
-    Row {
-        law,
-        method,
-        x,
-        closed_form,
-        measured,
-        error,
-    }
-}
-
-struct Law {
-    name: &'static str,
-    title: &'static str,
-    x: &'static str,
-    y: &'static str,
-    exact: &'static str,
-    closed_form: fn(Real) -> Real,
-    points: &'static [Real],
-    measure: fn(&str, Real) -> Result<Measured, BenchError>,
 }

@@ -4,14 +4,6 @@ use super::laws::{THICKNESS, methods};
 use crate::studies::prelude::*;
 use std::path::Path;
 
-/// Two sheets that are to meet.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-struct Meeting {
-    method: &'static str,
-    #[serde(rename = "speed (m/s)")]
-    speed: Real,
-}
-
 /// Two sheets that have met.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Met {
@@ -24,9 +16,6 @@ pub struct Met {
 }
 
 /// Two sheets in free flight, each at half of a speed (m/s) towards the other, half a second after they could touch.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn meet(name: &str, speed: Real) -> Result<Met, BenchError> {
     let text = format!(
         "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\n\
@@ -50,7 +39,7 @@ pub fn meet(name: &str, speed: Real) -> Result<Met, BenchError> {
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let steps = ((0.5 + 0.01 / speed) / scene.dt).round() as u32;
-    let (_, end) = run::from_start(&scene, method, &settings, scene.dt, steps, |_, _, _| Ok(()))?;
+    let (_, end) = run::simulate(&scene, method, &settings, scene.dt, steps)?;
     let before = momentum(&scene.start.velocities);
     let after = momentum(&end.velocities);
     let weights = [&mass[..lower], &mass[lower..]].map(|mass| mass.iter().sum::<Real>());
@@ -63,16 +52,14 @@ pub fn meet(name: &str, speed: Real) -> Result<Met, BenchError> {
 
 /// Two sheets that meet in free flight, by every method.
 pub(super) fn run(study: &mut StudyRun<'_>) {
-    let speeds = [0.1, 1.0];
-    let of_method = |method| speeds.map(|speed| Meeting { method, speed });
     let rows = study.grid_side_by_side(
-        methods().into_iter().flat_map(of_method),
-        |at| format!("sheets that meet with {} m/s by {}", at.speed, at.method),
-        |at| meet(at.method, at.speed),
+        iproduct!(methods(), [0.1, 1.0]),
+        |(method, speed)| format!("sheets that meet with {speed} m/s by {method}"),
+        |&(method, speed)| meet(method, speed),
     );
-    study.findings.table(
+    study.table(
         "contact-meeting",
         "Two sheets that meet in free flight, without friction: what is left of it in their bending may part them",
-        Table::of(&rows),
+        Table::named(&["method", "speed (m/s)"], &rows),
     );
 }

@@ -34,9 +34,7 @@ fn meshes_and_steps(scope: Scope) -> MeshesAndSteps {
 }
 
 /// Vertices a side and steps per second of the converged value.
-fn finest(scope: Scope) -> (u32, u32) {
-    scope.pick((9, 240), (49, 480))
-}
+const FINEST: [(u32, u32); 2] = [(9, 240), (49, 480)];
 
 /// Cloth in contact at the end.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -60,7 +58,7 @@ fn follow(scene: &str, name: &str, n: u32, rate: u32) -> Result<Ended, BenchErro
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let dt = 1.0 / Real::from(rate);
-    let (end, _) = run::from_start(&scene, method, &settings, dt, steps, |_, _, _| Ok(()))?;
+    let (end, _) = run::simulate(&scene, method, &settings, dt, steps)?;
     Ok(Ended {
         fall: Number(end.center_of_mass_drop),
         fall_over_converged: None,
@@ -73,36 +71,27 @@ fn follow(scene: &str, name: &str, n: u32, rate: u32) -> Result<Ended, BenchErro
     })
 }
 
-/// The scene of a run.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-struct Of {
-    scene: &'static str,
-}
-
 pub(super) fn run(study: &mut StudyRun<'_>) {
     let (mut rows, mut all_falls) = (Vec::new(), Vec::new());
     for scene in SCENES {
         let Some((ours, falls)) = of_scene(study, scene) else {
             return;
         };
-        rows.extend(ours.into_iter().map(|row| (Of { scene }, row)));
+        rows.extend(ours.into_iter().map(|row| (scene, row)));
         all_falls.push(falls);
     }
-    study.findings.table(
+    study.table(
         "contact-motion",
         &format!("Cloth in contact after {SECONDS} s, every method at its default"),
-        Table::of(&rows),
+        Table::named(&["scene"], &rows),
     );
     let grid = meshes_and_steps(study.scope);
     let mut ranges = Table::about("method", SCENES.map(str::to_owned));
     for method in methods() {
-        let of_scene = |falls: &Vec<OverConverged>| {
-            let [_, by_step] = grid.ranges(method, falls);
-            Cell::said(by_step)
-        };
-        ranges.line(method, all_falls.iter().map(of_scene).collect::<Vec<_>>());
+        let of_scene = |falls: &Vec<OverConverged>| Cell::said(&grid.ranges(method, falls)[1]);
+        ranges.line(method, all_falls.iter().map(of_scene));
     }
-    study.findings.answer(
+    study.answer(
         "Is it the same motion in contact at every frame rate?",
         format!(
             "The fall of the centre of mass within {SECONDS} s, over that of the converged motion, over all steps; a sheet that buckles scatters by a few per cent:"
@@ -118,7 +107,7 @@ type Shown = (Vec<(Point, Ended)>, Vec<OverConverged>);
 /// The runs of a scene, with its plots; none if another run has what they are compared with.
 fn of_scene(study: &mut StudyRun<'_>, scene: &'static str) -> Option<Shown> {
     let grid = meshes_and_steps(study.scope);
-    let (finest_n, finest_rate) = finest(study.scope);
+    let (finest_n, finest_rate) = study.scope.of(FINEST);
     let mut converged = |n: u32| {
         let case = format!("a converged {scene}, {n} × {n}");
         let end = study.case(&case, || follow(scene, "bdf2", n, finest_rate))?;
@@ -132,14 +121,14 @@ fn of_scene(study: &mut StudyRun<'_>, scene: &'static str) -> Option<Shown> {
     };
     let mut rows = study.grid(
         grid.points(&methods()),
-        |Point {
-             method,
-             vertices_a_side: n,
-             steps_per_second: rate,
-         }| { format!("{scene} by {method}, {n} vertices a side, 1/{rate} s") },
+        |point| format!("{scene} by {point}"),
         |point| {
-            let [n, rate] = [point.vertices_a_side, point.steps_per_second];
-            follow(scene, point.method, n, rate)
+            follow(
+                scene,
+                point.method,
+                point.vertices_a_side,
+                point.steps_per_second,
+            )
         },
     );
     for (_, row) in &mut rows {
@@ -167,7 +156,7 @@ fn of_scene(study: &mut StudyRun<'_>, scene: &'static str) -> Option<Shown> {
     ] {
         let plot = plot.note("Converged is BDF2 with the shortest step.");
         let name = format!("contact-{scene}-{name}");
-        study.findings.plot(&name, &plot);
+        study.plot(&name, &plot);
     }
     Some((rows, falls))
 }

@@ -59,19 +59,15 @@ pub struct Reached {
 
 impl ContactProblem {
     /// The step after so many of implicit Euler, of one of the scenes that [`scene_of`] knows.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if the reference does not converge.
     pub fn new(scene: &str, n: u32, steps_before: u32) -> Result<Self, BenchError> {
         let scene = scene_of(scene, n, "")?;
         let implicit = Method::find("implicit-euler")?;
-        let (_, state) = run::from_start(
+        let (_, state) = run::simulate(
             &scene,
             implicit,
             &Settings::default(),
             scene.dt,
             steps_before,
-            |_, _, _| Ok(()),
         )?;
         let mut predicted = state.positions.clone();
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
@@ -166,9 +162,6 @@ impl ContactProblem {
     }
 
     /// What a method makes of the step.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] with the method's own error.
     pub fn reached(&self, method: &Method, settings: &Settings) -> Result<Reached, BenchError> {
         let (x, iterations, seconds) = self.take(method, settings)?;
         let objective = self.objective(&x)?;
@@ -193,7 +186,6 @@ impl ContactProblem {
 }
 
 /// Methods with a setting that is made finer and finer: what is not its default beside it, its key, and its values.
-#[must_use]
 pub fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
     let counts = (0..scope.pick(5, 8)).map(|i| (5 << i).to_string());
     let counts: Vec<String> = counts.collect();
@@ -310,25 +302,27 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             let by_default = steps(study, at, &mut problem, by_default());
             let finer = steps(study, at, &mut problem, finer(study.scope));
             plot(study, at, &finer);
-            let every: Vec<&Row> = by_default.iter().chain(&finer).collect();
-            told.line(Cell::said(format!("{scene}, {n} × {n}")), fastest(&every));
+            let all = || by_default.iter().chain(&finer);
+            let reached = || all().map(|row| (&*row.method, row.position_error, row.ms));
+            let fastest = WANTED.map(|wanted| fastest_to(wanted, reached()));
+            told.line(Cell::said(format!("{scene}, {n} × {n}")), fastest);
             defaults.extend(by_default);
             samples.extend(finer);
         }
     }
-    study.findings.table(
+    study.table(
         "contact-step",
         "One step in contact, every method at its default (but forward Euler, which is not stable at any)",
-        Table::of(&defaults),
+        &defaults,
     );
-    study
-        .findings
-        .data("contact-step-samples", Table::of(&samples));
-    study.findings.answer(
+    study.data("contact-step-samples", &samples);
+    let first = MOMENTS[0].0;
+    let sides = sides(study.scope, first);
+    study.answer(
         "Which method at which error in contact?",
         "The fastest to a step of implicit Euler; the error is the distance from its end, over that of the inertial prediction.".into(),
         Some(told),
-        &format!("figure-contact-step-{}-position-{}", MOMENTS[0].0, sides(study.scope, MOMENTS[0].0)[0]),
+        &format!("figure-contact-step-{first}-position-{}", sides[0]),
     );
 }
 
@@ -357,20 +351,9 @@ fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[Row]) {
         let error = Axis::log(&format!("{error} (dimensionless)"));
         let plot = Plot::new(title, Axis::log("time of the step (ms)"), error).with(series);
         let name = format!("contact-step-{scene}-{name}-{n}");
-        study.findings.plot(&name, &plot);
+        study.plot(&name, &plot);
     }
 }
 
 /// Position errors (dimensionless) that are asked for.
 const WANTED: [Real; 4] = [0.3, 0.1, 1e-2, 1e-3];
-
-/// Who is the first at each error, and when.
-fn fastest(found: &[&Row]) -> [Cell; 4] {
-    WANTED.map(|wanted| {
-        let there = found.iter().filter(|row| row.position_error <= wanted);
-        let first = there.min_by(|a, b| a.ms.total_cmp(&b.ms));
-        first.map_or(Cell::said("nobody"), |row| {
-            Cell::said(format!("{}: {} ms", row.method, two(row.ms)))
-        })
-    })
-}

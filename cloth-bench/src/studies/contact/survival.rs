@@ -15,10 +15,6 @@ const MOST_EXCESS: Real = 0.01;
 const TOO_MUCH: Real = 10.0;
 /// Velocities (m/s) that every vertex starts with, other ones in every run, are below this in each direction.
 const JITTER: Real = 1e-2;
-/// Steps of a run that untangles.
-fn most_steps(scope: Scope) -> u32 {
-    scope.pick(40, 120)
-}
 
 /// Scenes of contact: a drape, a fold, a stack, a garment.
 const SCENES: [&str; 4] = ["drape-sphere", "fold", "stack", "garment"];
@@ -50,9 +46,6 @@ fn size(scope: Scope) -> (u32, &'static [Real], u64) {
 }
 
 /// A scene of contact by its name, with so many vertices a side and with settings of its start.
-///
-/// # Errors
-/// [`BenchError::Usage`] for settings that make no sense.
 pub fn scene_of(name: &str, n: u32, starts: &str) -> Result<Scene, BenchError> {
     let settings = Settings::of(starts);
     match name {
@@ -140,9 +133,6 @@ impl Fate {
 }
 
 /// A run of a method, and what the cloth held of what it was given (dimensionless) after every step.
-///
-/// # Errors
-/// [`BenchError`] for a scene that cannot be watched, or a method that cannot be built.
 pub fn follow(
     scene: &Scene,
     name: &str,
@@ -196,110 +186,62 @@ pub fn follow(
     Ok((fate, energies.into_iter().map(share).collect()))
 }
 
-/// A scene, and the method that takes its steps.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Pairing {
-    /// Name of the scene.
-    pub scene: &'static str,
-    /// Name of the method.
-    pub method: &'static str,
-}
-
-fn pairings(scope: Scope) -> impl Iterator<Item = Pairing> {
-    let of_scene = move |scene| methods(scope).map(move |method| Pairing { scene, method });
-    SCENES.into_iter().flat_map(of_scene)
-}
-
 /// The table of all scenes, methods and steps, and the energy over time.
 pub(super) fn run(study: &mut StudyRun<'_>) {
     let (n, steps, runs) = size(study.scope);
     let found = study.grid_side_by_side(
-        pairings(study.scope),
-        |pairing| {
-            format!(
-                "{} by {}, steps of every size",
-                pairing.scene, pairing.method
-            )
-        },
-        |pairing| {
-            let scene = scene_of(pairing.scene, n, "")?;
+        iproduct!(SCENES, methods(study.scope)),
+        |(scene, method)| format!("{scene} by {method}, steps of every size"),
+        |&(scene, method)| {
+            let scene = scene_of(scene, n, "")?;
+            // One run of the direct solver takes as long as ten of most others.
+            let runs = if method == "xpbd-direct" { 1 } else { runs };
             let of_step = |&dt: &Real| {
-                let mut worst = follow(&scene, pairing.method, dt, 1)?;
-                // One run of the direct solver takes as long as ten of most others.
-                let runs = if pairing.method == "xpbd-direct" {
-                    1
-                } else {
-                    runs
-                };
+                let mut worst = follow(&scene, method, dt, 1)?;
                 for seed in 2..=runs {
-                    let (fate, _) = follow(&scene, pairing.method, dt, seed)?;
+                    let (fate, _) = follow(&scene, method, dt, seed)?;
                     if fate > worst.0 {
                         worst.0 = fate;
                     }
                 }
-                Ok(worst)
+                Ok::<_, BenchError>(worst)
             };
-            steps
-                .iter()
-                .map(of_step)
-                .collect::<Result<Vec<_>, BenchError>>()
+            steps.iter().map(of_step).try_collect::<_, Vec<_>, _>()
         },
     );
     let columns = steps.iter().map(|dt| format!("Δt 1/{:.0} s", 1.0 / dt));
-    let names: Vec<String> = ["scene".into(), "method".into()]
-        .into_iter()
-        .chain(columns)
-        .collect();
-    let mut table = Table::new(&names.iter().map(String::as_str).collect::<Vec<_>>());
-    for (pairing, fates) in &found {
+    let mut table = Table::about("scene", ["method".into()].into_iter().chain(columns));
+    for ((scene, method), fates) in &found {
         let words = fates.iter().map(|(fate, _)| fate.word().into());
-        let row = [pairing.scene.into(), pairing.method.into()]
-            .into_iter()
-            .chain(words);
-        table.rows.push(row.collect());
-        for (fate, dt) in fates.iter().map(|(fate, _)| fate).zip(steps) {
+        table.line(*scene, [Cell::from(*method)].into_iter().chain(words));
+        for ((fate, _), dt) in fates.iter().zip(steps) {
             if let Fate::Ended(reason) = fate {
-                let note = format!(
-                    "{} by {}, Δt = {dt:.1e} s: {reason}.",
-                    pairing.scene, pairing.method
-                );
-                study.findings.section.notes.push(note);
+                study.note(format!("{scene} by {method}, Δt = {dt:.1e} s: {reason}."));
             }
         }
     }
     let caption = format!(
         "Contact with steps of every size, {n} vertices a side, {SECONDS} s, the worst of {runs} runs"
     );
-    study.findings.table("contact-steps", &caption, table);
+    study.table("contact-steps", &caption, table);
     for scene in SCENES {
         // Steps of 1/60 s.
-        let place = steps
-            .iter()
-            .position(|dt| *dt == 1.0 / 60.0)
-            .unwrap_or_default();
-        let dt = steps[place];
-        let of_scene = found.iter().filter(|(pairing, _)| pairing.scene == scene);
-        let curves = of_scene.map(|(pairing, fates)| {
-            let shares = fates
-                .get(place)
-                .into_iter()
-                .flat_map(|(_, shares)| shares)
-                .enumerate();
-            let points = shares.map(|(step, share)| ((step + 1) as Real * dt, share.0));
-            Series::new(pairing.method, points.collect())
+        let place = steps.iter().position(|dt| *dt == 1.0 / 60.0);
+        let place = place.unwrap_or_default();
+        let of_scene = found.iter().filter(|((of, _), _)| *of == scene);
+        let curves = of_scene.map(|((_, method), fates)| {
+            let shares = fates.get(place).map_or(&[][..], |(_, shares)| shares);
+            let points = (1..).zip(shares);
+            let points = points.map(|(step, share)| (Real::from(step) * steps[place], share.0));
+            Series::new(method, points.collect())
         });
         let held = Axis::linear("energy held over given (dimensionless)").within(0.0, 1.1);
-        let plot = Plot::new(
-            format!("Energy of {scene}, steps of 1/60 s"),
-            Axis::linear("time (s)"),
-            held,
-        )
+        let title = format!("Energy of {scene}, steps of 1/60 s");
+        let plot = Plot::new(title, Axis::linear("time (s)"), held)
         .with(curves)
         .exact("all that was given", [(0.0, 1.0), (SECONDS, 1.0)])
         .note("Kinetic and elastic energy and that of contact, over what the cloth held at the start, gravity has released and bodies have done.");
-        study
-            .findings
-            .plot(&format!("contact-energy-{scene}"), &plot);
+        study.plot(&format!("contact-energy-{scene}"), &plot);
     }
     answer(steps, &found, study);
     recovery(study);
@@ -309,18 +251,16 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
 type Fates = Vec<(Fate, Vec<Number>)>;
 
 /// Which method comes through all scenes with which step.
-fn answer(steps: &[Real], found: &[(Pairing, Fates)], study: &mut StudyRun<'_>) {
+fn answer(steps: &[Real], found: &[((&str, &str), Fates)], study: &mut StudyRun<'_>) {
     let names = steps.iter().map(|dt| format!("1/{:.0} s", 1.0 / dt));
     let mut table = Table::about("method", names);
-    let thirtieth = steps
-        .iter()
-        .position(|dt| *dt == 1.0 / 30.0)
-        .unwrap_or_default();
+    let thirtieth = steps.iter().position(|dt| *dt == 1.0 / 30.0);
+    let thirtieth = thirtieth.unwrap_or_default();
     let (mut survives, mut others) = (Vec::new(), Vec::new());
     for method in methods(study.scope) {
-        let of_method = || found.iter().filter(|(pairing, _)| pairing.method == method);
         let ok = |step: usize| {
-            let fates = of_method().filter_map(|(_, fates)| Some(&fates.get(step)?.0));
+            let of_method = found.iter().filter(|((_, by), _)| *by == method);
+            let fates = of_method.filter_map(|(_, fates)| Some(&fates.get(step)?.0));
             fates.filter(|fate| **fate == Fate::Ok).count()
         };
         let cells =
@@ -341,10 +281,8 @@ fn answer(steps: &[Real], found: &[(Pairing, Fates)], study: &mut StudyRun<'_>) 
         capitalised(scale::WITHOUT)
     );
     let question = "What survives a step of 1/30 s in contact?";
-    study.findings.section.verdict = Some(told.clone());
-    study
-        .findings
-        .answer(question, told, Some(table), "table-contact-steps");
+    study.section.verdict = Some(told.clone());
+    study.answer(question, told, Some(table), "table-contact-steps");
 }
 
 /// Gains energy from every jerk, and tears the cloth to pieces that keep the last resort of contact busy for minutes.
@@ -365,22 +303,16 @@ pub struct Recovered {
 }
 
 /// A run from a start that passes through itself.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
-pub fn recover(pairing: Pairing, n: u32, steps: u32) -> Result<Recovered, BenchError> {
-    let scene = tangled(pairing.scene, n)?;
-    let method = Method::find(pairing.method)?;
+pub fn recover(scene: &str, method: &str, n: u32, steps: u32) -> Result<Recovered, BenchError> {
+    let scene = tangled(scene, n)?;
+    let method = Method::find(method)?;
     let settings = method.by_default(Settings::default());
     let mut probe = scene.separation_probe();
     let mut counts = Vec::new();
     let (summary, _) =
         run::from_start(&scene, method, &settings, scene.dt, steps, |_, state, _| {
             if let Some(probe) = &mut probe {
-                let now = probe
-                    .measure(&state.positions)
-                    .map_err(BenchError::failed)?;
-                counts.push(now.intersecting_pairs);
+                counts.push(probe.measure(&state.positions)?.intersecting_pairs);
             }
             Ok(())
         })?;
@@ -398,40 +330,28 @@ pub fn recover(pairing: Pairing, n: u32, steps: u32) -> Result<Recovered, BenchE
 
 /// Cloth that passes through itself at the start.
 fn recovery(study: &mut StudyRun<'_>) {
-    let steps = most_steps(study.scope);
-    let n = study.scope.pick(9, 17);
-    let is_tried =
-        |pairing: &Pairing| TANGLED.contains(&pairing.scene) && pairing.method != LEFT_OUT;
+    let (n, steps) = study.scope.pick((9, 40), (17, 120));
+    let methods = || methods(study.scope).filter(|method| *method != LEFT_OUT);
+    let (tried, of_methods) = (methods().collect_vec(), methods().collect_vec());
     let rows = study.grid_side_by_side(
-        pairings(study.scope).filter(is_tried),
-        |pairing| {
-            format!(
-                "{} by {}, from a start that passes through itself",
-                pairing.scene, pairing.method
-            )
-        },
-        |pairing| recover(*pairing, n, steps),
+        iproduct!(TANGLED, tried),
+        |(scene, method)| format!("{scene} by {method}, from a start that passes through itself"),
+        |(scene, method)| recover(scene, method, n, steps),
     );
     let caption = format!(
         "Starts that pass through themselves, {n} vertices a side, {steps} steps of 1/60 s"
     );
-    study
-        .findings
-        .table("contact-recovery", &caption, Table::of(&rows));
-    let mut told = Vec::new();
-    for method in methods(study.scope).filter(|method| *method != LEFT_OUT) {
-        let of_method = || rows.iter().filter(|(pairing, _)| pairing.method == method);
+    let table = Table::named(&["scene", "method"], &rows);
+    study.table("contact-recovery", &caption, table);
+    let mut told = of_methods.into_iter().map(|method| {
+        let of_method = || rows.iter().filter(|((_, by), _)| *by == method);
         let free = of_method().filter(|(_, found)| {
             found.steps_until_free.is_some() && found.crossings_afterwards == 0
         });
-        told.push(format!(
-            "{method} {} of {}",
-            free.count(),
-            of_method().count()
-        ));
-    }
-    study.findings.section.notes.push(format!(
-        "Pulled apart, and nothing crosses afterwards: {}.",
-        told.join(", ")
+        format!("{method} {} of {}", free.count(), of_method().count())
+    });
+    let told = told.join(", ");
+    study.note(format!(
+        "Pulled apart, and nothing crosses afterwards: {told}."
     ));
 }

@@ -3,7 +3,6 @@
 use crate::studies::prelude::*;
 
 /// Methods that iterate on one step, with the most iterations; of your own those with a parameter of that name.
-#[must_use]
 pub fn iterated(scope: Scope) -> Vec<Variant> {
     let [sweeps, accelerated, direct] = scope.pick([500, 200, 30], [2000, 500, 60]);
     let mut variants = Variant::list(&format!(

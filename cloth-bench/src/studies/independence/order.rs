@@ -32,9 +32,6 @@ pub fn cases(scope: Scope) -> impl Iterator<Item = (Variant, u32)> {
 }
 
 /// The hanging sheet with crossed diagonals, which is its own mirror image in the plane between its pins.
-///
-/// # Errors
-/// [`BenchError`] of a scene that cannot be built.
 pub fn sheet(scope: Scope) -> Result<Scene, BenchError> {
     let settings = Settings::default().with("n", scope.pick(9, 33));
     scene::build("hang", None, &settings.with("pattern", "crossed"))
@@ -56,9 +53,6 @@ pub struct Lopsided {
 }
 
 /// Half a second of the sheet, by so many iterations a step.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error, or for a sheet that is not symmetric.
 pub fn swing(scene: &Scene, variant: &Variant, iterations: u32) -> Result<Lopsided, BenchError> {
     let start = &scene.start.positions;
     let partner = |x: &Vec3| start.iter().position(|y| (y - mirrored(x)).norm() < 1e-9);
@@ -81,12 +75,6 @@ pub fn swing(scene: &Scene, variant: &Variant, iterations: u32) -> Result<Lopsid
     })
 }
 
-#[derive(Default, Serialize)]
-struct Swept {
-    method: String,
-    iterations: u32,
-}
-
 /// Measures all; who keeps the symmetry and who does not, in words.
 pub(super) fn run(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let scene = sheet(study.scope)?;
@@ -95,22 +83,14 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         |(variant, iterations)| format!("order, {}, {iterations} iterations", variant.label),
         |(variant, iterations)| swing(&scene, variant, *iterations),
     );
-    let row = |((variant, iterations), lopsided): ((Variant, u32), Lopsided)| {
-        let method = variant.label;
-        (Swept { method, iterations }, lopsided)
-    };
-    let rows: Vec<(Swept, Lopsided)> = found.into_iter().map(row).collect();
-    let curves = curves(&rows, |(swept, lopsided)| {
-        let iterations = Real::from(swept.iterations);
-        (swept.method.as_str(), (iterations, lopsided.asymmetry.0))
+    let curves = curves(&found, |((variant, iterations), lopsided)| {
+        let point = (Real::from(*iterations), lopsided.asymmetry.0);
+        (variant.label.as_str(), point)
     });
     let most = |curve: &Series| curve.points.iter().map(|at| at.1).fold(0.0, Real::max);
     let (kept, lost): (Vec<&Series>, Vec<&Series>) =
         curves.iter().partition(|curve| most(curve) < KEPT);
-    let names = |curves: &[&Series]| {
-        let names: Vec<&str> = curves.iter().map(|curve| curve.label.as_str()).collect();
-        names.join("; ")
-    };
+    let names = |curves: &[&Series]| curves.iter().map(|curve| &curve.label).join("; ");
     let told = format!(
         "To a millionth of its side, by however few iterations, with {}; with the others a vertex ends up to so far from the mirror image of its partner:",
         names(&kept)
@@ -131,14 +111,14 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     )
     .with(curves)
     .note("The sheet and its fall are their own mirror image, so all asymmetry is the method's: rounding, the order in which it visits constraints, or coarse levels without that symmetry.");
-    study.findings.plot("independence-order", &plot);
-    let caption = "A symmetric sheet after its fall";
-    study
-        .findings
-        .table("independence-order", caption, Table::of(&rows));
+    study.plot("independence-order", &plot);
+    let rows = Table::named(&["method", "iterations"], &found);
+    study.table(
+        "independence-order",
+        "A symmetric sheet after its fall",
+        rows,
+    );
     let question = "Does a symmetric cloth stay symmetric?";
-    study
-        .findings
-        .answer(question, told, Some(table), "figure-independence-order");
+    study.answer(question, told, Some(table), "figure-independence-order");
     Ok(verdict)
 }

@@ -19,15 +19,16 @@ const SIN: Real = 0.5;
 pub(super) struct OnCone {
     /// Energy of membrane and hinges over that of the hinges alone with every point on the cone (dimensionless): 1 for
     /// a sheet that follows it.
+    #[serde(rename = "energy over developable")]
     pub(super) energy: Real,
     /// The membrane's part of it.
+    #[serde(rename = "membrane over developable")]
     pub(super) membrane: Real,
     /// The membrane's part as long as every point lies on the cone, before anything has settled.
+    #[serde(rename = "the same, vertices on the cone")]
     pub(super) placed: Real,
-    /// [`Sheet::edge_length`] (m).
-    pub(super) edge_length: Real,
-    pub(super) iterations: u32,
-    pub(super) last_move: Real,
+    iterations: u32,
+    last_move: Real,
 }
 
 fn place(p: &Vec3) -> Vec3 {
@@ -46,14 +47,15 @@ pub(super) fn radius() -> Real {
     (tan_squared * squares / fourths).sqrt()
 }
 
-/// Bends a sheet of `cells` cells a metre to the cone; `modulus` (N/m), `rigidity` (N·m).
+/// Bends a sheet of `cells` cells a metre to the cone; `modulus` (N/m), `rigidity` (N·m). Gives
+/// [`Sheet::edge_length`] (m) too.
 pub(super) fn bend(
     pattern: &str,
     cells: usize,
     kind: Kind,
     modulus: Real,
     rigidity: Real,
-) -> Result<OnCone, BenchError> {
+) -> Result<(Real, OnCone), BenchError> {
     let ring = without_triangles(&square(pattern, cells)?, |_, [a, b, c]| {
         !(INNER..=1.0).contains(&((a + b + c) / 3.0).norm())
     })?;
@@ -66,12 +68,12 @@ pub(super) fn bend(
     let placed = sheet.membrane_energy(&exact)? / bending;
     let rest = sheet.rest(exact, Vec3::zeros())?;
     let membrane = sheet.membrane_energy(&rest.points)? / bending;
-    Ok(OnCone {
+    let on_cone = OnCone {
         energy: membrane + sheet.bending_energy(&rest.points)? / bending,
         membrane,
         placed,
-        edge_length: sheet.edge_length()?,
         iterations: rest.iterations,
         last_move: rest.last_move,
-    })
+    };
+    Ok((sheet.edge_length()?, on_cone))
 }

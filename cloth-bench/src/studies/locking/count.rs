@@ -15,9 +15,7 @@ pub(super) const PATTERNS: [&str; 5] = [
 ];
 
 /// Cells a side.
-fn sizes(scope: Scope) -> &'static [usize] {
-    scope.pick(&[4, 8, 16, 32], &[4, 8, 16, 32, 64, 128])
-}
+const SIZES: [&[usize]; 2] = [&[4, 8, 16, 32], &[4, 8, 16, 32, 64, 128]];
 
 /// The numbers of `cloth-bench locking`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,13 +71,6 @@ struct Counted {
     smallest: Real,
 }
 
-/// A pattern with so many cells a side.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-struct Mesh {
-    pattern: &'static str,
-    cells: usize,
-}
-
 impl Counted {
     fn of(pattern: &str, cells: usize) -> Result<Self, BenchError> {
         let Locking {
@@ -103,14 +94,13 @@ impl Counted {
 
 /// Counts and measures every pattern; whether the count was right everywhere.
 pub(super) fn run(study: &mut StudyRun<'_>) -> bool {
-    let sizes = sizes(study.scope).iter();
-    let of_pattern = |pattern| sizes.clone().map(move |&cells| Mesh { pattern, cells });
+    let sizes = study.scope.of(SIZES).iter().copied();
     let rows = study.grid(
-        PATTERNS.into_iter().flat_map(of_pattern),
-        |Mesh { pattern, cells }| format!("count, {pattern}, {cells} cells"),
-        |mesh| Counted::of(mesh.pattern, mesh.cells),
+        iproduct!(PATTERNS, sizes.clone()),
+        |(pattern, cells)| format!("count, {pattern}, {cells} cells"),
+        |&(pattern, cells)| Counted::of(pattern, cells),
     );
-    let closed_form = |&n: &usize| {
+    let closed_form = |n: usize| {
         let n = n as Real;
         (n, (3.0 + 4.0 * n) / (3.0 * (n + 1.0) * (n + 1.0)))
     };
@@ -120,25 +110,25 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> bool {
         cells.clone(),
         Axis::log("nullity of the bent sheet / 3V (dimensionless)"),
     )
-    .with(curves(&rows, |(mesh, found)| {
+    .with(curves(&rows, |((pattern, cells), found)| {
         let share = found.nullity_bent as Real / (3.0 * found.vertices as Real);
-        (mesh.pattern, (mesh.cells as Real, share))
+        (*pattern, (*cells as Real, share))
     }))
-    .exact("(3 + 4n)/3(n + 1)²", sizes.clone().map(closed_form))
+    .exact("(3 + 4n)/3(n + 1)²", sizes.map(closed_form))
     .note("The dashed curve is the closed form for a square grid with one diagonal a cell.");
-    study.findings.plot("locking-share", &plot);
+    study.plot("locking-share", &plot);
     let plot = Plot::new(
         "How firmly the bent sheet is locked",
         cells,
         Axis::log("smallest kept singular value (dimensionless)"),
     )
-    .with(curves(&rows, |(mesh, found)| {
-        (mesh.pattern, (mesh.cells as Real, found.smallest))
+    .with(curves(&rows, |((pattern, cells), found)| {
+        (*pattern, (*cells as Real, found.smallest))
     }))
     .note("Small values are motions that cost next to nothing although no rigid edge allows them.");
-    study.findings.plot("locking-smallest", &plot);
-    let caption = "Counted and measured degrees of freedom";
-    study.findings.table("locking", caption, Table::of(&rows));
+    study.plot("locking-smallest", &plot);
+    let table = Table::named(&["pattern", "cells"], &rows);
+    study.table("locking", "Counted and measured degrees of freedom", table);
     rows.iter().all(|(_, found)| {
         found.nullity_bent as i64 == found.count && found.nullity_flat == found.vertices + 3
     })

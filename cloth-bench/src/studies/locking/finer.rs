@@ -8,9 +8,6 @@ use crate::studies::prelude::*;
 
 /// The points (m) of a square grid of twice as many cells on the surface of one of `cells` cells a side whose points
 /// are at `coarse` (m): bilinear in each cell, whatever its diagonal.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a grid without cells.
 pub fn refined(coarse: &[Vec3], cells: usize) -> Result<Vec<Vec3>, BenchError> {
     let fine = square("alternating", 2 * cells)?;
     let row = cells + 1;

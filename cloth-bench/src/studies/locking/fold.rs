@@ -27,7 +27,6 @@ pub enum Axis {
 
 impl Axis {
     /// Unit vectors along the axis and away from it.
-    #[must_use]
     pub fn directions(self) -> [Vec3; 2] {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let [rising, falling] = [Vec3::new(half, half, 0.0), Vec3::new(half, -half, 0.0)];
@@ -56,7 +55,6 @@ const STEPS: usize = 2000;
 
 impl Fold {
     /// The fold of a sheet of rigidity `rigidity` (N·m), held up to `clamp` (m) from its diagonal.
-    #[must_use]
     pub fn exact(axis: Axis, clamp: Real, rigidity: Real) -> Self {
         let length = std::f64::consts::FRAC_1_SQRT_2 - clamp;
         // The angle at the clamp grows with that at the corner.
@@ -94,7 +92,6 @@ impl Fold {
     }
 
     /// Where a point (m) of the flat sheet lies on the folded one.
-    #[must_use]
     pub fn place(&self, p: &Vec3) -> Vec3 {
         let [along, away] = self.axis.directions();
         let d = p - CENTRE;
@@ -146,7 +143,6 @@ impl Fold {
     }
 
     /// The curvature (1/m) by energy: `E = ½ D κ² A` with the area of the flaps.
-    #[must_use]
     pub fn mean_curvature(&self, rigidity: Real) -> Real {
         let length = std::f64::consts::FRAC_1_SQRT_2 - self.clamp;
         (self.bending_energy / (rigidity * length * length)).sqrt()
@@ -173,35 +169,47 @@ pub(super) struct Folded {
     pub(super) angle: Real,
 }
 
-/// What there is to tell of a [`Folded`].
+/// What there is to tell of a [`Folded`], as columns.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct FoldFigures {
+pub(super) struct Shown {
+    #[serde(rename = "rigidity over D")]
+    pub(super) factor: Real,
+    #[serde(rename = "fold angle")]
+    angle: Real,
+    exact_angle: Real,
+    #[serde(rename = "bending reached")]
+    pub(super) bending: Real,
+    #[serde(rename = "membrane over bending")]
+    membrane: Real,
+    iterations: u32,
+    last_move: Real,
+}
+
+/// The same, with what it is compared by.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Figures {
     /// [`Sheet::edge_length`] (m).
     pub(super) edge_length: Real,
     /// As in [`Folded`].
-    pub(super) factor: Real,
     pub(super) radius: Real,
-    pub(super) bending: Real,
-    pub(super) membrane: Real,
-    pub(super) angle: Real,
-    /// [`Fold::exact_angle`] (°).
-    pub(super) exact_angle: Real,
-    pub(super) iterations: u32,
-    pub(super) last_move: Real,
+    pub(super) shown: Shown,
 }
 
 impl Folded {
-    pub(super) fn figures(&self) -> Result<FoldFigures, BenchError> {
-        Ok(FoldFigures {
-            edge_length: self.sheet.edge_length()?,
+    pub(super) fn figures(&self) -> Result<Figures, BenchError> {
+        let shown = Shown {
             factor: self.factor,
-            radius: self.radius,
-            bending: self.bending,
-            membrane: self.membrane,
             angle: self.angle,
             exact_angle: self.exact.exact_angle(),
+            bending: self.bending,
+            membrane: self.membrane,
             iterations: self.rest.iterations,
             last_move: self.rest.last_move,
+        };
+        Ok(Figures {
+            edge_length: self.sheet.edge_length()?,
+            radius: self.radius,
+            shown,
         })
     }
 }

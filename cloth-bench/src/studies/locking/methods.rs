@@ -60,7 +60,6 @@ fn by_iterations(scope: Scope) -> Vec<Case> {
 
 /// Every method on every pattern. Those that damp little or nothing of their own get air drag, which changes where
 /// nothing moves any more as little as inertia does.
-#[must_use]
 pub fn by_pattern(cells: usize) -> Vec<Case> {
     let name = |method: &Method| match method.name {
         "symplectic-euler" | "implicit-midpoint" | "bdf2" => {
@@ -74,13 +73,9 @@ pub fn by_pattern(cells: usize) -> Vec<Case> {
     PATTERNS.into_iter().flat_map(of_pattern).collect()
 }
 
-/// A method and a mesh, as columns.
-#[derive(Clone, Debug, Default, Serialize)]
-struct Solver {
-    method: String,
-    pattern: &'static str,
-    cells: usize,
-}
+/// A method and a mesh, as columns: its label, the pattern and the cells.
+type Solver = (String, &'static str, usize);
+const SOLVER: [&str; 3] = ["method", "pattern", "cells"];
 
 /// What a method made of the fold.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -96,9 +91,6 @@ pub struct Made {
 }
 
 /// Makes the fold.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error, or if the sheet does not come to rest.
 pub fn make(case: &Case) -> Result<Made, BenchError> {
     let (stiffness, Case { pattern, cells, .. }) = ([MODULUS, RIGIDITY], case);
     let (sheet, exact, _) =
@@ -129,9 +121,6 @@ pub fn make(case: &Case) -> Result<Made, BenchError> {
 }
 
 /// The angle of the fold over the exact one (dimensionless), by a method as [`by_pattern`] sets it.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error, or if the sheet does not come to rest.
 pub fn fold_angle(name: &str, cells: usize) -> Result<Real, BenchError> {
     let is_it = |case: &Case| case.variant.method() == name && case.pattern == "alternating";
     let case = by_pattern(cells).into_iter().find(is_it);
@@ -150,8 +139,8 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
     let mut rows = measured(study, by_pattern(study.scope.pick(6, 16)));
     let told = by_method(&rows, &mut study.findings);
     rows.extend(measured(study, by_iterations(study.scope)));
-    let (caption, table) = ("One fold by every method", Table::of(&rows));
-    study.findings.table("locking-methods", caption, table);
+    let table = Table::named(&SOLVER, &rows);
+    study.table("locking-methods", "One fold by every method", table);
     told
 }
 
@@ -164,15 +153,8 @@ fn measured(study: &mut StudyRun<'_>, cases: Vec<Case>) -> Vec<(Solver, Made)> {
         },
         make,
     );
-    let solver = |case: Case| Solver {
-        method: case.variant.label,
-        pattern: case.pattern,
-        cells: case.cells,
-    };
-    found
-        .into_iter()
-        .map(|(case, made)| (solver(case), made))
-        .collect()
+    let row = |(case, made): (Case, Made)| ((case.variant.label, case.pattern, case.cells), made);
+    found.into_iter().map(row).collect()
 }
 
 /// One line a method, one column a pattern, and the same in words.
@@ -181,21 +163,19 @@ fn by_method(rows: &[(Solver, Made)], findings: &mut Findings) -> String {
     let mut told = Vec::new();
     for method in method::all().map(|method| method.name) {
         let at_rest = rows.iter().filter(|(_, made)| made.steps_to_rest.is_some());
-        let of_method = at_rest.filter(|(solver, _)| solver.method == method);
-        let mut reached: Vec<(&str, Real)> = of_method
-            .map(|(solver, made)| (solver.pattern, made.bending_reached))
-            .collect();
-        let of_pattern = |&pattern: &&str| {
+        let of_method = at_rest.filter(|((of, ..), _)| of == method);
+        let reached = of_method.map(|((_, pattern, _), made)| (*pattern, made.bending_reached));
+        let mut reached = reached.collect_vec();
+        let of_pattern = |pattern: &str| {
             let one = reached.iter().find(|one| one.0 == pattern);
             Cell::from(one.map(|one| one.1))
         };
-        let cells = PATTERNS.iter().map(of_pattern);
-        let cells = [Cell::from(method)].into_iter().chain(cells).collect();
+        let cells = PATTERNS.map(of_pattern);
         reached.sort_by(|a, b| a.1.total_cmp(&b.1));
         if let [(locked, least), .., (free, most)] = reached[..] {
             let [least, most] = [least, most].map(|share| significant(share, 2));
             told.push(format!("{method} {least} ({locked}) to {most} ({free})"));
-            table.rows.push(cells);
+            table.line(method, cells);
         }
     }
     findings.table(

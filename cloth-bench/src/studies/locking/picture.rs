@@ -86,7 +86,6 @@ struct Shape {
 /// What a fold is called and what is told of it, and its colour; `exact` is the angle (°) of the exact one. A sheet
 /// whose corners hang at unlike angles, or that stores twice the bending energy of the fold, has not folded about the
 /// line, however far down its corners are in the mean.
-#[must_use]
 pub fn judged(angles: [Real; 2], exact: Real, bending: Real) -> (String, &'static str) {
     let [least, most] = [angles[0].min(angles[1]), angles[0].max(angles[1])];
     let mean = 0.5 * (least + most);
@@ -108,8 +107,8 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     for picture in pictures(scope) {
         let (name, ..) = picture;
         let svg = study.cases.case(name, || draw(&picture));
-        if let Some(svg) = study.findings.unless_failed(name, svg) {
-            study.findings.section.plots.push((name.into(), svg));
+        if let Some(svg) = study.unless_failed(name, svg) {
+            study.section.plots.push((name.into(), svg));
         }
     }
     Ok(())
@@ -223,9 +222,6 @@ fn compose(
 
 /// The mesh at rest seen from above, with its lower left corner at the lower left of a square at `corner` (px), the
 /// lengths that its membrane holds, and the line of the fold.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a mesh without a table of edges.
 pub fn flat_mesh(sheet: &Sheet, axis: Axis, corner: [Real; 2]) -> Result<String, BenchError> {
     let at = |p: &Vec3| [corner[0] + FLAT * p.x, corner[1] + FLAT * (1.0 - p.y)];
     let edges = EdgeTable::build(&sheet.mesh)?;

@@ -98,12 +98,15 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
     let rank = EdgeRank::of_pairs(&bent(&own.points), &conditions)?;
     let of_springs = resistances(&springs, cells)?;
     let mut resists = resistances(&own, cells)?;
-    resists
-        .iter_mut()
-        .zip(of_springs)
-        .for_each(|(own, of_springs)| *own /= of_springs);
-    let cone =
-        |modulus| Ok::<_, BenchError>(cone::bend(pattern, cells, kind, modulus, RIGIDITY)?.energy);
+    let both = resists.iter_mut().zip(of_springs);
+    both.for_each(|(own, of_springs)| *own /= of_springs);
+    let cone = |modulus| {
+        Ok::<_, BenchError>(
+            cone::bend(pattern, cells, kind, modulus, RIGIDITY)?
+                .1
+                .energy,
+        )
+    };
     let on_cone = match cells <= LARGEST_CONE {
         true => Some([cone(MODULUS)?, cone(0.01 * MODULUS)?]),
         false => None,
@@ -121,45 +124,10 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
     })
 }
 
-/// A mesh with a kind of membrane.
-#[derive(Clone, Default, Serialize)]
-struct Head {
-    pattern: &'static str,
-    cells: usize,
-    membrane: &'static str,
-}
-
-/// Its fold.
-#[derive(Default, Serialize)]
-struct FoldRow {
-    coordinates: usize,
-    #[serde(rename = "coordinates − conditions")]
-    left: i64,
-    nullity_bent: usize,
-    bending_reached: Real,
-    #[serde(rename = "at Y/100")]
-    softer: Real,
-    fold_angle_over_exact: Real,
-    cost_per_step: Option<Real>,
-}
-
-/// Its cone, and what it resists over what springs do.
-#[derive(Default, Serialize)]
-struct ConeRow {
-    #[serde(rename = "cone: energy over developable")]
-    energy: Option<Real>,
-    #[serde(rename = "cone at Y/100")]
-    softer: Option<Real>,
-    pull: Real,
-    push: Real,
-    shear: Real,
-    waves_of_4_cells: Real,
-}
-
 /// Measures every kind on every pattern.
 pub(super) fn run(study: &mut StudyRun<'_>) {
-    let of_sheet = |(pattern, cells)| KINDS.map(|(name, kind)| (pattern, cells, name, kind));
-    let all = sheets(study.scope).into_iter().flat_map(of_sheet);
+    let all = iproduct!(sheets(study.scope), KINDS);
+    let all = all.map(|((pattern, cells), (name, kind))| (pattern, cells, name, kind));
     let name_of = |&(pattern, cells, name, _): &(_, _, _, _)| {
         format!("remedy, {name}, {pattern}, {cells} cells")
     };
@@ -171,43 +139,27 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         let (pattern, cells, membrane, kind) = remedy;
         let case = format!("cost of {}", name_of(&remedy));
         let cost_per_step = study.case(&case, || cost(pattern, cells, kind));
-        let head = Head {
-            pattern,
-            cells,
-            membrane,
-        };
-        let fold = FoldRow {
-            coordinates: found.coordinates,
-            left: found.coordinates as i64 - found.conditions as i64,
-            nullity_bent: found.nullity,
-            bending_reached: found.bending[0],
-            softer: found.bending[1],
-            fold_angle_over_exact: found.angle,
-            cost_per_step,
-        };
-        folds.push((head.clone(), fold));
-        let [pull, push, shear, waves_of_4_cells] = found.resists;
-        let [energy, softer] = [0, 1].map(|k| found.on_cone.map(|energy| energy[k]));
-        cones.push((
-            head,
-            ConeRow {
-                energy,
-                softer,
-                pull,
-                push,
-                shear,
-                waves_of_4_cells,
-            },
-        ));
+        let head = (pattern, cells, membrane);
+        let left = found.coordinates as i64 - found.conditions as i64;
+        let freedom = (found.coordinates, left, found.nullity);
+        folds.push((head, freedom, found.bending, found.angle, cost_per_step));
+        let on_cone = [0, 1].map(|k| found.on_cone.map(|energy| energy[k]));
+        cones.push((head, on_cone, found.resists));
     }
-    study.findings.table(
+    let head = ["pattern", "cells", "membrane"];
+    let freedom = ["coordinates", "coordinates − conditions", "nullity bent"];
+    let reached = ["bending reached", "at Y/100", "fold angle over exact"];
+    let cost = ["cost per step"];
+    study.table(
         "locking-remedies",
         "Every kind of membrane in the fold: its freedom, what it makes of it, and what it costs",
-        Table::of(&folds),
+        Table::named(&[&head[..], &freedom, &reached, &cost].concat(), &folds),
     );
-    study.findings.table(
+    let on_cone = ["cone: energy over developable", "cone at Y/100"];
+    let resists = ["pull", "push", "shear", "waves of 4 cells"];
+    study.table(
         "locking-breaks",
         "Every kind of membrane on the cone, and what it breaks: energies over those of the springs",
-        Table::of(&cones),
+        Table::named(&[&head[..], &on_cone, &resists].concat(), &cones),
     );
 }

@@ -77,9 +77,6 @@ pub(super) struct Rest {
 
 impl Sheet {
     /// A sheet of density 0.2 kg/m², modulus `modulus` (N/m) and rigidity `rigidity` (N·m).
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for a kind that cannot be built on this mesh.
     pub fn new(
         mesh: TriMesh,
         kind: Kind,
@@ -178,7 +175,6 @@ impl Sheet {
     }
 
     /// The points (m) when the sheet is moved by `place`, which maps positions at rest (m).
-    #[must_use]
     pub fn placed(&self, place: impl Fn(&Vec3) -> Vec3) -> Vec<Vec3> {
         self.points.iter().map(place).collect()
     }
@@ -192,17 +188,11 @@ impl Sheet {
     }
 
     /// Energy (J) of the hinges.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for elements that do not fit the points.
     pub fn bending_energy(&self, points: &[Vec3]) -> Result<Real, BenchError> {
         Ok(self.sum_of(&self.bending)?.value(points))
     }
 
     /// Energy (J) of the membrane.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for elements that do not fit the points.
     pub fn membrane_energy(&self, points: &[Vec3]) -> Result<Real, BenchError> {
         Ok(self.sum_of(&self.membrane)?.value(points))
     }
@@ -303,9 +293,6 @@ fn parted(families: Vec<Elements>) -> (Vec<Elements>, Vec<Elements>) {
 
 /// A mesh of the unit square with `cells` cells a side. The lattice of equilateral triangles is stretched by a few per
 /// cent in y to fill the square, and its zigzag sides are half a triangle deep.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a mesh without cells, or of a pattern that is not known.
 pub fn square(pattern: &str, cells: usize) -> Result<TriMesh, BenchError> {
     if pattern != "equilateral" {
         return mesh_of(pattern, cells);

@@ -32,7 +32,6 @@ const STILL: Real = 2e-3;
 /// The method of the patterns, kinds of membrane and resolutions: one linear solve a step. What is at rest in it is at
 /// rest in every method that solves its steps.
 const METHOD: &str = "linear-implicit";
-const PATTERN: &str = "alternating";
 
 fn patterns(scope: Scope) -> &'static [&'static str] {
     scope.pick(&["alternating"], &count::PATTERNS)
@@ -78,88 +77,74 @@ impl Case {
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Drape {
+    #[serde(rename = "coordinates − conditions")]
     coordinates_left: i64,
-    nullity: usize,
-    /// How far (m) the corners end below the highest vertex, in the mean.
+    nullity_draped: usize,
+    /// How far (m) they end below the highest vertex, in the mean.
+    #[serde(rename = "corners below the top")]
     corners: Real,
-    /// Energies (J).
+    #[serde(rename = "bending energy (mJ)")]
     bending: Real,
-    membrane: Real,
+    membrane_over_bending: Real,
     rms_strain: Real,
     /// None: never at rest.
-    steps: Option<u32>,
+    steps_to_rest: Option<u32>,
 }
 
+/// What the others differ from.
+const BASE: Case = Case {
+    pattern: "alternating",
+    kind: 0,
+    modulus: MODULI[1],
+    method: METHOD,
+    iterations: 0,
+    cells: SIZES[0],
+};
+
 /// Every drape.
-#[must_use]
 pub fn list(scope: Scope) -> Vec<Case> {
-    let base = Case {
-        pattern: PATTERN,
-        kind: 0,
-        modulus: MODULI[1],
-        method: METHOD,
-        iterations: 0,
-        cells: 16,
-    };
     let mut cases = Vec::new();
-    for &pattern in patterns(scope) {
-        cases.extend(MODULI.map(|modulus| Case {
-            pattern,
-            modulus,
-            ..base
-        }));
-    }
+    let of_pattern = |(&pattern, modulus)| Case {
+        pattern,
+        modulus,
+        ..BASE
+    };
+    cases.extend(iproduct!(patterns(scope), MODULI).map(of_pattern));
     if scope == Scope::Quick {
         return cases;
     }
     // Midpoints have no surface that contact knows of.
     let others = (1..KINDS.len()).filter(|&kind| KINDS[kind].1 != Kind::Midpoints);
-    for kind in others {
-        cases.extend(MODULI.map(|modulus| Case {
-            kind,
-            modulus,
-            ..base
-        }));
-    }
+    let of_kind = |(kind, modulus)| Case {
+        kind,
+        modulus,
+        ..BASE
+    };
+    cases.extend(iproduct!(others, MODULI).map(of_kind));
     let own = iterating_own().map(|own| (own.name, 0));
-    let compared = [
-        ("implicit-euler", 0),
-        ("pd", 0),
-        ("xpbd", 0),
-        ("pbd", 5),
-        ("pbd", 20),
-        ("pbd", 80),
-        ("pbd", 320),
-    ];
-    for (method, iterations) in compared.into_iter().chain(own) {
-        cases.push(Case {
-            method,
-            iterations,
-            ..base
-        });
-    }
+    let compared = ["implicit-euler", "pd", "xpbd"].map(|method| (method, 0));
+    let compared = compared
+        .into_iter()
+        .chain([5, 20, 80, 320].map(|count| ("pbd", count)));
+    let of_method = |(method, iterations)| Case {
+        method,
+        iterations,
+        ..BASE
+    };
+    cases.extend(compared.chain(own).map(of_method));
     cases
 }
 
 /// The drapes that are made finer and finer, each from the one before.
 fn chains(scope: Scope) -> Vec<Case> {
-    let chain = |method: &'static str, modulus: Real| Case {
-        pattern: PATTERN,
-        kind: 0,
-        modulus,
+    // By another method where that is cheap: PD takes minutes for stiff edges.
+    let all = [(METHOD, MODULI[0]), (METHOD, MODULI[1]), ("pd", MODULI[0])];
+    let chain = |(method, modulus)| Case {
         method,
-        iterations: 0,
-        cells: SIZES[0],
+        modulus,
+        ..BASE
     };
-    match scope {
-        Scope::Quick => Vec::new(),
-        // By another method where that is cheap: PD takes minutes for stiff edges.
-        Scope::Full => vec![
-            chain(METHOD, MODULI[0]),
-            chain(METHOD, MODULI[1]),
-            chain("pd", MODULI[0]),
-        ],
-    }
+    scope.pick(vec![], all.map(chain).to_vec())
 }
 
 /// A sheet hung over the sphere from `start` (m), or from flat, until it is at rest; and its points (m) there.
@@ -194,14 +179,15 @@ fn drape(case: &Case, start: Option<Vec<Vec3>>) -> Result<(Drape, Vec<Vec3>), Be
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
     let x = &state.positions;
     let rank = EdgeRank::of_pairs(x, &conditions)?;
+    let bending = sheet.bending_energy(x)?;
     let found = Drape {
         coordinates_left: 3 * x.len() as i64 - conditions.len() as i64,
-        nullity: rank.nullity,
+        nullity_draped: rank.nullity,
         corners: fall_of_corners(sheet.mesh.positions(), x),
-        bending: sheet.bending_energy(x)?,
-        membrane: sheet.membrane_energy(x)?,
+        bending: 1e3 * bending,
+        membrane_over_bending: sheet.membrane_energy(x)? / bending,
         rms_strain: Strain::of(&gauges, x).rms,
-        steps,
+        steps_to_rest: steps,
     };
     Ok((found, state.positions))
 }
@@ -231,18 +217,13 @@ fn chain(first: &Case) -> Result<Vec<Drape>, BenchError> {
 }
 
 /// How far (m) the four corners of the unit square are below the highest vertex, in the mean.
-#[must_use]
 pub fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
-    let highest = positions
-        .iter()
-        .map(|p| p.z)
-        .fold(Real::NEG_INFINITY, Real::max);
+    let heights = positions.iter().map(|p| p.z);
+    let highest = heights.fold(Real::NEG_INFINITY, Real::max);
     let corner = |x: Real, y: Real| {
         let far = |p: &Vec3| (p.x - x).powi(2) + (p.y - y).powi(2);
-        let nearest = rest
-            .iter()
-            .zip(positions)
-            .min_by(|(p, _), (q, _)| far(p).total_cmp(&far(q)));
+        let both = rest.iter().zip(positions);
+        let nearest = both.min_by(|(p, _), (q, _)| far(p).total_cmp(&far(q)));
         nearest.map_or(0.0, |(_, p)| highest - p.z)
     };
     0.25 * (corner(0.0, 0.0) + corner(1.0, 0.0) + corner(0.0, 1.0) + corner(1.0, 1.0))
@@ -257,44 +238,8 @@ pub(super) struct Drapes {
     pub(super) sizes: Option<[(usize, [Real; 2]); 2]>,
 }
 
-/// A drape, how it began, and what came of it.
-#[derive(Default, Serialize)]
-struct Row {
-    pattern: &'static str,
-    cells: usize,
-    membrane: &'static str,
-    #[serde(rename = "Y")]
-    modulus: Real,
-    method: String,
-    begins: &'static str,
-    #[serde(rename = "coordinates − conditions")]
-    coordinates_left: i64,
-    nullity_draped: usize,
-    corners_below_the_top: Real,
-    #[serde(rename = "bending energy (mJ)")]
-    bending: Real,
-    membrane_over_bending: Real,
-    rms_strain: Real,
-    steps_to_rest: Option<u32>,
-}
-
-fn row(case: &Case, begins: &'static str, found: &Drape) -> Row {
-    Row {
-        pattern: case.pattern,
-        cells: case.cells,
-        membrane: KINDS[case.kind].0,
-        modulus: case.modulus,
-        method: case.solver(),
-        begins,
-        coordinates_left: found.coordinates_left,
-        nullity_draped: found.nullity,
-        corners_below_the_top: found.corners,
-        bending: 1e3 * found.bending,
-        membrane_over_bending: found.membrane / found.bending,
-        rms_strain: found.rms_strain,
-        steps_to_rest: found.steps,
-    }
-}
+/// What the table says of a drape beside that.
+const HEAD: [&str; 6] = ["pattern", "cells", "membrane", "Y", "method", "begins"];
 
 pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
     let scope = study.scope;
@@ -309,22 +254,17 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
         SIZES.into_iter().zip(drapes).map(of_size)
     });
     let finer: Vec<(Case, Drape)> = finer.collect();
-    let begins = |cells| {
-        if cells == SIZES[0] {
-            "flat"
-        } else {
-            "from the coarser"
-        }
+    let row = |(case, found): &(Case, Drape)| {
+        let begins = match case.cells == SIZES[0] {
+            true => "flat",
+            false => "from the coarser",
+        };
+        let (mesh, membrane) = ((case.pattern, case.cells), KINDS[case.kind].0);
+        (mesh, membrane, case.modulus, case.solver(), begins, *found)
     };
-    let from_flat = flat.iter().map(|(case, found)| row(case, "flat", found));
-    let from_coarser = finer
-        .iter()
-        .map(|(case, found)| row(case, begins(case.cells), found));
-    let rows: Vec<Row> = from_flat.chain(from_coarser).collect();
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("locking-sphere", "Sheets draped over a sphere", table);
+    let rows = flat.iter().chain(&finer).map(row).collect_vec();
+    let table = Table::named(&HEAD, &rows);
+    study.table("locking-sphere", "Sheets draped over a sphere", table);
     let depth = |(case, found): &(Case, Drape)| (*case, found.corners);
     let springs = flat.iter().filter(|(case, _)| case.kind == 0);
     let fallen: Vec<(Case, Real)> = springs.map(depth).collect();
@@ -336,7 +276,6 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
 }
 
 /// How deep (m) the corners are at both moduli with the fewest and the most cells a side, by `METHOD`.
-#[must_use]
 pub fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
     let ours = || made_finer.iter().filter(|(case, _)| case.method == METHOD);
     let cells = || ours().map(|(case, _)| case.cells);
@@ -352,7 +291,6 @@ pub fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
 
 /// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their
 /// patterns.
-#[must_use]
 pub fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
     let at = |pattern: &str, modulus: Real| {
         let wanted = |(case, _): &&(Case, Real)| {
@@ -360,11 +298,8 @@ pub fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
         };
         fallen.iter().find(wanted).map(|&(_, depth)| depth)
     };
-    let ratios = count::PATTERNS
-        .into_iter()
-        .filter_map(|pattern| Some((pattern, at(pattern, MODULI[1])? / at(pattern, MODULI[0])?)));
-    let ratios: Vec<(&'static str, Real)> = ratios.collect();
-    let least = ratios.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let most = ratios.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some([*least, *most])
+    let ratio = |pattern| Some((pattern, at(pattern, MODULI[1])? / at(pattern, MODULI[0])?));
+    let ratios = count::PATTERNS.into_iter().filter_map(ratio);
+    let (least, most) = ratios.minmax_by(|a, b| a.1.total_cmp(&b.1)).into_option()?;
+    Some([least, most])
 }

@@ -1,6 +1,6 @@
 //! Locked or stiff: cone and fold against membrane modulus, resolution and pattern.
 
-use super::cone;
+use super::cone::{self, OnCone};
 use super::count::PATTERNS;
 use super::fold::{self, Axis};
 use super::sheet::Kind;
@@ -18,9 +18,8 @@ fn moduli(scope: Scope, cells: usize) -> &'static [Real] {
     }
 }
 
-pub(super) fn sizes(scope: Scope) -> &'static [usize] {
-    scope.pick(&[8, 12], &[16, 32, 64, 128])
-}
+/// Cells a side.
+const SIZES: [&[usize]; 2] = [&[8, 12], &[16, 32, 64, 128]];
 
 /// The modulus (N/m) whose folds are drawn against the edge length.
 const SHOWN: Real = 1e6;
@@ -34,13 +33,8 @@ fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
     }
 }
 
-fn fold_sizes(scope: Scope) -> &'static [usize] {
-    scope.pick(&[8, 12], &[16, 32, 64, 128])
-}
-
 /// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was
 /// estimated to cost as much as its bending.
-#[must_use]
 pub fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Real {
     (702.0 * rigidity * radius * radius / modulus).powf(0.25)
 }
@@ -66,92 +60,72 @@ fn ends(values: impl Iterator<Item = Real>) -> [Real; 2] {
     })
 }
 
-/// A cone of a pattern, with so many cells a side and a modulus Y (N/m).
-#[derive(Default, Serialize)]
-struct ConeRow {
-    pattern: &'static str,
-    cells: usize,
-    #[serde(rename = "Y")]
-    modulus: Real,
-    #[serde(rename = "l over l*")]
-    ratio: Real,
-    energy_over_developable: Real,
-    membrane_over_developable: Real,
-    #[serde(rename = "the same, vertices on the cone")]
-    placed: Real,
-    iterations: u32,
-    last_move: Real,
+/// Edge lengths over l* that are drawn, with what is expected there.
+fn predicted(of: fn(Real) -> Real) -> impl Iterator<Item = (Real, Real)> {
+    let ratios = (0..=40).map(|i| 10.0_f64.powf(-1.0 + 0.045 * Real::from(i)));
+    ratios.map(move |ratio| (ratio, of(ratio)))
+}
+
+/// The axis of these plots.
+fn over_critical() -> plot::Axis {
+    plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)")
 }
 
 /// The cone for every pattern.
 pub(super) fn cones(study: &mut StudyRun<'_>) -> OnCones {
     let scope = study.scope;
+    let sizes = scope.of(SIZES).iter();
     let of_size = |&cells: &usize| moduli(scope, cells).iter().map(move |&y| (cells, y));
-    let of_pattern = |pattern| {
-        let sheets = sizes(scope).iter().flat_map(of_size);
-        sheets.map(move |(cells, modulus)| (pattern, cells, modulus))
-    };
+    let points = iproduct!(PATTERNS, sizes.flat_map(of_size));
     let found = study.grid_side_by_side(
-        PATTERNS.into_iter().flat_map(of_pattern),
+        points.map(|(pattern, (cells, modulus))| (pattern, cells, modulus)),
         |(pattern, cells, y)| format!("cone, {pattern}, {cells} cells, Y = {y:e} N/m"),
         |&(pattern, cells, y)| cone::bend(pattern, cells, Kind::Springs, y, RIGIDITY),
     );
-    let row = |((pattern, cells, modulus), cone): ((_, _, Real), cone::OnCone)| ConeRow {
-        pattern,
-        cells,
-        modulus,
-        ratio: cone.edge_length / critical_length(cone::radius(), modulus, RIGIDITY),
-        energy_over_developable: cone.energy,
-        membrane_over_developable: cone.membrane,
-        placed: cone.placed,
-        iterations: cone.iterations,
-        last_move: cone.last_move,
-    };
-    let rows: Vec<ConeRow> = found.into_iter().map(row).collect();
-    let mut sorted: Vec<&ConeRow> = rows.iter().collect();
-    sorted.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+    let with_ratio =
+        |((pattern, cells, modulus), (length, cone)): ((_, _, Real), (Real, OnCone))| {
+            let ratio = length / critical_length(cone::radius(), modulus, RIGIDITY);
+            ((pattern, cells, modulus), ratio, cone)
+        };
+    let rows = found.into_iter().map(with_ratio).collect_vec();
+    let sorted = rows
+        .iter()
+        .sorted_by(|a, b| a.1.total_cmp(&b.1))
+        .collect_vec();
+    let of_pattern = |pattern| sorted.iter().filter(move |row| row.0.0 == pattern);
     let let_go = PATTERNS.map(|pattern| {
-        let ours = sorted.iter().filter(|row| row.pattern == pattern);
-        let points = ours.map(|row| (row.ratio, row.energy_over_developable));
+        let points = of_pattern(pattern).map(|(_, ratio, cone)| (*ratio, cone.energy));
         Series::new(pattern, points.collect())
     });
-    let equilateral = || sorted.iter().filter(|row| row.pattern == "equilateral");
-    let held = equilateral()
-        .map(|row| (row.ratio, 1.0 + row.placed))
-        .collect();
-    let held = Series::new("equilateral, held on it", held);
-    let predicted = (0..=40).map(|i| {
-        let ratio = 10.0_f64.powf(-1.0 + 0.045 * Real::from(i));
-        (ratio, 1.0 + ratio.powi(4))
-    });
-    let plot = Plot::new(
-        "What a sheet of springs pays for lying on a cone",
-        plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
-        plot::Axis::log("elastic energy over the developable answer (dimensionless)"),
-    )
+    let held = of_pattern("equilateral").map(|(_, ratio, cone)| (*ratio, 1.0 + cone.placed));
+    let held = Series::new("equilateral, held on it", held.collect());
+    let energy = plot::Axis::log("elastic energy over the developable answer (dimensionless)");
+    let title = "What a sheet of springs pays for lying on a cone";
+    let plot = Plot::new(title, over_critical(), energy)
     .points(let_go)
     .points([held])
-    .exact("1 + (l/l*)⁴", predicted)
+    .exact("1 + (l/l*)⁴", predicted(|ratio| 1.0 + ratio.powi(4)))
     .note("1 is a sheet that follows the cone without stretching. A sheet is locked, and not only stiff, where the energy goes on rising with Y. The dashed curve is the estimate, which holds for vertices that are held on the cone; let go, they leave it.");
-    study.findings.plot("locking-cone", &plot);
-    study
-        .findings
-        .table("locking-cone", "Springs on a cone", Table::of(&rows));
-    let constant = |row: &ConeRow| row.placed / row.ratio.powi(4);
-    let locked = rows.iter().filter(|row| row.ratio > 1.0);
-    let left = locked.map(|row| row.membrane_over_developable / row.placed);
-    let energies = |a: &&ConeRow, b: &&ConeRow| {
-        a.energy_over_developable
-            .total_cmp(&b.energy_over_developable)
-    };
-    let worst = rows.iter().rev().max_by(energies);
+    study.plot("locking-cone", &plot);
+    let names = ["pattern", "cells", "Y", "l over l*"];
+    study.table(
+        "locking-cone",
+        "Springs on a cone",
+        Table::named(&names, &rows),
+    );
+    let constant = |(_, ratio, cone): &(_, Real, OnCone)| cone.placed / ratio.powi(4);
+    let locked = rows.iter().filter(|(_, ratio, _)| *ratio > 1.0);
+    let left = locked.map(|(.., cone)| cone.membrane / cone.placed);
+    let worst = rows
+        .iter()
+        .rev()
+        .max_by(|a, b| a.2.energy.total_cmp(&b.2.energy));
     OnCones {
-        equilateral: ends(equilateral().map(|row| constant(row))),
+        equilateral: ends(of_pattern("equilateral").map(|row| constant(row))),
         placed: ends(rows.iter().map(constant)),
-        left: left.fold(0.0, Real::max),
-        worst: worst.map_or((String::new(), 0, 0.0, 0.0), |row| {
-            let energy = row.energy_over_developable;
-            (row.pattern.to_owned(), row.cells, row.ratio, energy)
+        left: largest(left),
+        worst: worst.map_or_else(Default::default, |((pattern, cells, _), ratio, cone)| {
+            ((*pattern).to_owned(), *cells, *ratio, cone.energy)
         }),
     }
 }
@@ -165,123 +139,81 @@ pub(super) struct Folds {
     pub(super) free: usize,
 }
 
-/// A fold of a pattern about a diagonal, with so many cells a side and a modulus Y (N/m).
-#[derive(Default, Serialize)]
-struct FoldRow {
-    pattern: &'static str,
-    held_diagonal: &'static str,
-    cells: usize,
-    #[serde(rename = "Y")]
-    modulus: Real,
-    #[serde(rename = "l over l*")]
-    ratio: Real,
-    #[serde(rename = "rigidity over D")]
-    factor: Real,
-    fold_angle: Real,
-    exact_angle: Real,
-    bending_reached: Real,
-    membrane_over_bending: Real,
-    iterations: u32,
-    last_move: Real,
-    #[serde(skip)]
-    edge_length: Real,
-    #[serde(skip)]
-    critical_length: Real,
-}
+/// Pattern, held diagonal, cells a side, Y (N/m) and l/l* of a fold; what it shows; edge length and l* (m).
+type FoldRow = (
+    (&'static str, &'static str, usize, Real, Real),
+    fold::Shown,
+    [Real; 2],
+);
 
 /// The diagonal fold for every pattern and both diagonals.
 pub(super) fn folds(study: &mut StudyRun<'_>) -> Folds {
     let scope = study.scope;
+    let sizes = scope.of(SIZES);
     let of_size = |&cells: &usize| fold_moduli(scope, cells).iter().map(move |&y| (cells, y));
-    let sheets = || fold_sizes(scope).iter().flat_map(of_size);
-    let curves_of = [("rising", Axis::Along), ("falling", Axis::Across)];
-    let curves_of = curves_of
-        .into_iter()
-        .flat_map(|axis| PATTERNS.map(|pattern| (pattern, axis)));
-    let points = curves_of.clone().flat_map(|(pattern, axis)| {
-        sheets().map(move |(cells, modulus)| (pattern, axis, cells, modulus))
-    });
+    let folds = iproduct!(
+        [("rising", Axis::Along), ("falling", Axis::Across)],
+        PATTERNS
+    );
     let found = study.grid_side_by_side(
-        points,
-        |(pattern, (name, _), cells, y)| {
+        iproduct!(folds.clone(), sizes.iter().flat_map(of_size)),
+        |(((name, _), pattern), (cells, y))| {
             format!("fold, {pattern}, {name}, {cells} cells, Y = {y:e}")
         },
-        |&(pattern, (_, axis), cells, y)| {
+        |&(((_, axis), pattern), (cells, y))| {
             fold::fold(axis, pattern, cells, Kind::Springs, [y, RIGIDITY])?.figures()
         },
     );
-    let row = |((pattern, (held_diagonal, _), cells, modulus), folded): (
-        (_, (_, Axis), _, _),
-        fold::FoldFigures,
-    )| {
-        let critical_length = critical_length(folded.radius, modulus, folded.factor * RIGIDITY);
-        FoldRow {
-            pattern,
-            held_diagonal,
-            cells,
-            modulus,
-            ratio: folded.edge_length / critical_length,
-            factor: folded.factor,
-            fold_angle: folded.angle,
-            exact_angle: folded.exact_angle,
-            bending_reached: folded.bending,
-            membrane_over_bending: folded.membrane,
-            iterations: folded.iterations,
-            last_move: folded.last_move,
-            edge_length: folded.edge_length,
-            critical_length,
-        }
+    let row = |((((held, _), pattern), (cells, modulus)), folded): (_, fold::Figures)| -> FoldRow {
+        let critical = critical_length(folded.radius, modulus, folded.shown.factor * RIGIDITY);
+        let at = (pattern, held, cells, modulus, folded.edge_length / critical);
+        (at, folded.shown, [folded.edge_length, critical])
     };
-    let rows: Vec<FoldRow> = found.into_iter().map(row).collect();
+    let rows = found.into_iter().map(row).collect_vec();
     let (mut series, mut by_length, mut halved) = (Vec::new(), Vec::new(), Vec::new());
-    for (pattern, (name, axis)) in curves_of {
+    for ((name, axis), pattern) in folds {
         let ours = || {
             rows.iter()
-                .filter(|row| (row.pattern, row.held_diagonal) == (pattern, name))
+                .filter(|(at, ..)| (at.0, at.1) == (pattern, name))
         };
-        for &cells in fold_sizes(scope) {
-            let of_size = ours().filter(|row| row.cells == cells);
-            let curve: Vec<_> = of_size
-                .map(|row| (row.ratio, row.bending_reached))
-                .collect();
-            halved.push(halved_at(&curve));
+        let point = |((.., ratio), shown, _): &FoldRow| (*ratio, shown.bending);
+        for &cells in sizes {
+            let of_size = ours().filter(|(at, ..)| at.2 == cells);
+            halved.push(halved_at(&of_size.map(point).collect_vec()));
         }
-        let mut points: Vec<_> = ours().map(|row| (row.ratio, row.bending_reached)).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        series.push(Series::new(&format!("{pattern}, {name}"), points));
+        let points = ours().map(point).sorted_by(|a, b| a.0.total_cmp(&b.0));
+        series.push(Series::new(&format!("{pattern}, {name}"), points.collect()));
         if axis == Axis::Across {
-            let shown = || ours().filter(|row| row.modulus == SHOWN);
-            let reached = shown()
-                .map(|row| (row.edge_length, row.bending_reached))
-                .collect();
-            let critical: Vec<Real> = shown().map(|row| row.critical_length).collect();
-            by_length.extend(against_length(pattern, reached, &critical));
+            let shown = || ours().filter(|(at, ..)| at.3 == SHOWN);
+            let reached = shown().map(|(_, shown, [length, _])| (*length, shown.bending));
+            let critical = shown().map(|(.., [_, critical])| *critical).collect_vec();
+            by_length.extend(against_length(pattern, reached.collect(), &critical));
         }
     }
-    let predicted = (0..=40).map(|i| {
-        let ratio = 10.0_f64.powf(-1.0 + 0.045 * Real::from(i));
-        (ratio, 1.0 / (1.0 + ratio.powi(4)))
-    });
     let reached =
         plot::Axis::linear("bending energy reached, over the developable answer (dimensionless)");
-    let plot = Plot::new(
-        "How much of a diagonal fold a sheet of springs makes",
-        plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
-        reached.clone(),
-    )
+    let title = "How much of a diagonal fold a sheet of springs makes";
+    let plot = Plot::new(title, over_critical(), reached.clone())
     .points(series)
-    .exact("1/(1 + (l/l*)⁴)", predicted)
+    .exact("1/(1 + (l/l*)⁴)", predicted(|ratio| 1.0 / (1.0 + ratio.powi(4))))
     .note("The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.");
-    study.findings.plot("locking-fold", &plot);
+    study.plot("locking-fold", &plot);
     let length = plot::Axis::log("edge length l (m)");
     let plot = Plot::new("Finer meshes fold", length, reached).with(by_length).note(&format!(
         "Y = {SHOWN:e} N/m, held along the falling diagonal; from right to left the same sheet with finer and finer meshes. Dashed, in the colour of the mesh: 1/(1 + (l/l*)⁴), which is one half at l = l* = (702 D R²/Y)^¼, with the rigidity D that the mesh has about this diagonal and the radius R of its fold. A sheet free to curve across is softer than the developable answer, so 1 can be exceeded."
     ));
-    study.findings.plot("locking-length", &plot);
-    let caption = "Diagonal folds of a sheet of springs";
-    study
-        .findings
-        .table("locking-fold", caption, Table::of(&rows));
+    study.plot("locking-length", &plot);
+    let rows = rows
+        .into_iter()
+        .map(|(at, shown, _)| (at, shown))
+        .collect_vec();
+    let names = ["pattern", "held diagonal", "cells", "Y", "l over l*"];
+    let table = Table::named(&names, &rows);
+    study.table(
+        "locking-fold",
+        "Diagonal folds of a sheet of springs",
+        table,
+    );
     let locked = halved.iter().flatten().count();
     Folds {
         halved: ends(halved.iter().flatten().copied()),
@@ -311,7 +243,6 @@ fn against_length(
 
 /// Where a curve `(l/l*, bending reached)` in ascending order first falls to half of its first value, if it does;
 /// between two points by logarithms.
-#[must_use]
 pub fn halved_at(curve: &[(Real, Real)]) -> Option<Real> {
     let half = 0.5 * curve.first()?.1;
     let pair = curve.windows(2).find(|pair| pair[1].1 <= half)?;

@@ -40,21 +40,18 @@ fn springs() -> [(Spring, Vec3); 2] {
 }
 
 /// `G` (J) at `y` (m) from the middle.
-#[must_use]
 pub fn value(y: Real) -> Real {
     let elastic = springs().map(|(spring, end)| spring.value(&[end, y * Vec3::y()]));
     0.5 * MASS * y * y / (DT * DT) + elastic.iter().sum::<Real>()
 }
 
 /// Where the minima are (m from the middle): the springs as long as inertia lets them be.
-#[must_use]
 pub fn minimum() -> Real {
     let length = LENGTH / (1.0 + MASS / (2.0 * K * DT * DT));
     (length * length - HALF * HALF).sqrt()
 }
 
 /// Places (m from the middle) of Newton's method with full steps.
-#[must_use]
 pub fn newton(convexity: Convexity) -> Vec<Real> {
     let inertia = MASS / (DT * DT);
     let next = |x: &Vec3| {
@@ -99,7 +96,7 @@ fn one_vertex(findings: &mut Findings) -> String {
     .exact("saddle point", [(0.0, 0.0), (12.0, 0.0)])
     .note("Across a compressed spring the Hessian is negative. As it is, Newton's method climbs to the saddle point; without the negative part it goes down, by as much as inertia alone allows; with its absolute value it goes down in shorter steps.");
     findings.plot("newton-saddle", &plot);
-    let told = traces.iter().map(|(label, places)| {
+    let mut told = traces.iter().map(|(label, places)| {
         let near = |goal: Real| places.last().is_some_and(|y| (y - goal).abs() < 1e-6);
         let there = match (near(0.0), near(rest)) {
             (true, _) => "the saddle point",
@@ -111,24 +108,20 @@ fn one_vertex(findings: &mut Findings) -> String {
     format!(
         "One vertex between compressed springs, {} mm beside the saddle point, goes with negative eigenvalues by {}.",
         1e3 * START,
-        told.collect::<Vec<_>>().join(", ")
+        told.join(", ")
     )
 }
 
-/// A sheet whose step is taken, what is done about negative eigenvalues, and how Newton's method gets on.
-#[derive(Default, Serialize)]
-struct Taken {
-    sheet: &'static str,
-    #[serde(rename = "negative eigenvalues")]
-    policy: &'static str,
-    #[serde(rename = "iterations to a gradient of 1e-3")]
-    coarse: Option<u32>,
-    #[serde(rename = "iterations to a gradient of 1e-8")]
-    sharp: Option<u32>,
-    /// Of the last iteration; below 0 in a lower minimum than that of the reference.
-    objective_error: Option<Real>,
-    remark: String,
-}
+/// A sheet whose step is taken, what is done about negative eigenvalues, and how Newton's method gets on. The error is
+/// that of the last iteration: below 0 in a lower minimum than that of the reference.
+const COLUMNS: [&str; 6] = [
+    "sheet",
+    "negative eigenvalues",
+    "iterations to a gradient of 1e-3",
+    "iterations to a gradient of 1e-8",
+    "objective error",
+    "remark",
+];
 
 /// Iterations and their errors; none, and why, where the matrix was of no use.
 pub type Traced = (Vec<Sample>, String);
@@ -136,9 +129,6 @@ pub type Traced = (Vec<Sample>, String);
 const SHEETS: [&str; 2] = ["hanging", "compressed"];
 
 /// Takes the sixteenth step of the hanging sheet, or the first of one that is pressed together by a tenth.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a scene that cannot be built.
 pub fn take(sheet: &str, side: u32, hessian: HessianPolicy) -> Result<Traced, BenchError> {
     let mut scene = scene::build("hang", None, &hanging(side, STIFFNESS))?;
     let mut steps = 15;
@@ -174,11 +164,8 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
     let blended = ("exact where it serves", HessianPolicy::ExactFirst);
     let always = POLICIES.map(|(label, convexity)| (label, HessianPolicy::Always(convexity)));
     let policies = || [blended].into_iter().chain(always);
-    let points = SHEETS
-        .into_iter()
-        .flat_map(|sheet| policies().map(move |policy| (sheet, policy)));
     let found = study.grid_side_by_side(
-        points,
+        iproduct!(SHEETS, policies()),
         |(sheet, (policy, _))| format!("negative eigenvalues, {sheet}, {policy}"),
         |&(sheet, (_, hessian))| take(sheet, side, hessian),
     );
@@ -197,29 +184,21 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
             format!("What is done about negative eigenvalues: a {sheet} sheet, {side} × {side}"),
             Axis::log("iterations of Newton's method (dimensionless)"),
             Axis::log("‖∇G‖/‖∇G(x̃)‖ (dimensionless)"),
-        )
-        .with(curves);
-        study
-            .findings
-            .plot(&format!("newton-convexity-{sheet}"), &plot);
+        );
+        study.plot(&format!("newton-convexity-{sheet}"), &plot.with(curves));
     }
     let row = |((sheet, (policy, _)), (trace, remark)): ((_, (_, HessianPolicy)), Traced)| {
-        let within = |goal: Real| trace.iter().find(|sample| sample.error.gradient <= goal);
-        Taken {
-            sheet,
-            policy,
-            coarse: within(1e-3).map(|sample| sample.iteration),
-            sharp: within(1e-8).map(|sample| sample.iteration),
-            objective_error: trace.last().map(|sample| sample.error.objective),
-            remark,
-        }
+        let within = |goal: Real| {
+            let sample = trace.iter().find(|sample| sample.error.gradient <= goal);
+            sample.map(|sample| sample.iteration)
+        };
+        let end = trace.last().map(|sample| sample.error.objective);
+        (sheet, policy, [1e-3, 1e-8].map(within), end, remark)
     };
-    let rows: Vec<Taken> = found.into_iter().map(row).collect();
+    let rows = found.into_iter().map(row).collect_vec();
     let caption = format!(
         "Newton's method by what it does about negative eigenvalues, {side} × {side} vertices"
     );
-    study
-        .findings
-        .table("newton-convexity", &caption, Table::of(&rows));
+    study.table("newton-convexity", &caption, Table::named(&COLUMNS, &rows));
     told
 }

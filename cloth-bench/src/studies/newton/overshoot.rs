@@ -41,17 +41,11 @@ fn step(variant: &Variant, z: Real, stretch: Real, across: Real) -> Result<Vec3,
 }
 
 /// Stretch along x over what it was, after a step of a stretched spring.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn along(variant: &Variant, z: Real) -> Result<Real, BenchError> {
     Ok((step(variant, z, STRETCH, 0.0)?.x - 1.0) / STRETCH)
 }
 
 /// Stretch after a step of a spring at rest whose end moves across by so much of its length.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn across(variant: &Variant, z: Real, turn: Real) -> Result<Real, BenchError> {
     Ok(step(variant, z, 0.0, turn)?.norm() - 1.0)
 }
@@ -62,14 +56,10 @@ pub(super) fn draw(findings: &mut Findings) -> Result<String, BenchError> {
     let places = || (0..=72).map(|i| 10.0_f64.powf(-1.0 + Real::from(i) / 36.0));
     let measured = |stretch: &dyn Fn(&Variant, Real) -> Result<Real, BenchError>| {
         let curve = |variant: &Variant| {
-            let points = places().map(|x| Ok((x, stretch(variant, x)?)));
-            let points = points.collect::<Result<Vec<_>, BenchError>>()?;
-            Ok(Series::new(&variant.label, points))
+            let points = places().map(|x| Ok::<_, BenchError>((x, stretch(variant, x)?)));
+            Ok::<_, BenchError>(Series::new(&variant.label, points.try_collect()?))
         };
-        variants
-            .iter()
-            .map(curve)
-            .collect::<Result<Vec<_>, BenchError>>()
+        variants.iter().map(curve).try_collect::<_, Vec<_>, _>()
     };
     let stretched = measured(&along)?;
     let plot = Plot::new(

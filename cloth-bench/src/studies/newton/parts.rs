@@ -1,6 +1,6 @@
 //! The parts of an iteration, each timed alone, beside the library and the memory.
 
-use super::{System, seconds};
+use super::{System, seconds, tried};
 use crate::studies::prelude::*;
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::linear::{
@@ -77,9 +77,7 @@ impl Parts {
         let mut cholesky = BlockCholesky::analyze(system.matrix.pattern(), &system.is_free)?;
         let assemble = seconds(|| system.assemble());
         let matrix = &system.matrix;
-        let mut outcome = Ok(());
-        let factorise = seconds(|| outcome = cholesky.factorize(matrix));
-        outcome?;
+        let factorise = tried(|| cholesky.factorize(matrix))?;
         let mut direction = vec![Vec3::zeros(); system.is_free.len()];
         let solve = seconds(|| cholesky.solve(&system.gradient, &mut direction));
         let mut there = direction.clone();
@@ -135,25 +133,21 @@ impl Parts {
             curve("line search", |i| i.line_search),
         ]);
         findings.plot("newton-parts", &plot);
-        for (name, caption, table) in [
-            (
-                "parts",
-                "Parts of a Newton iteration",
-                Table::of(&self.iterations),
-            ),
-            (
-                "orderings",
-                "Orderings of the factorisation",
-                Table::of(&self.eliminations),
-            ),
-            (
-                "products",
-                "Products with the matrix",
-                Table::of(&self.products),
-            ),
-        ] {
-            findings.table(&format!("newton-{name}"), caption, table);
-        }
+        findings.table(
+            "newton-parts",
+            "Parts of a Newton iteration",
+            &self.iterations,
+        );
+        findings.table(
+            "newton-orderings",
+            "Orderings of the factorisation",
+            &self.eliminations,
+        );
+        findings.table(
+            "newton-products",
+            "Products with the matrix",
+            &self.products,
+        );
         let (Some(first), Some(last)) = (self.iterations.first(), self.iterations.last()) else {
             return String::new();
         };
@@ -190,9 +184,7 @@ fn eliminations(side: u32, system: &System) -> Result<Vec<Elimination>, BenchErr
             let analyse =
                 || BlockCholesky::analyze_with(matrix.pattern(), &system.is_free, ordering);
             let mut cholesky = analyse()?;
-            let mut outcome = Ok(());
-            let factorise = seconds(|| outcome = cholesky.factorize(matrix));
-            outcome?;
+            let factorise = tried(|| cholesky.factorize(matrix))?;
             all.push(Elimination {
                 vertices_a_side: side,
                 elements: elements.to_owned(),
@@ -213,16 +205,12 @@ fn library(matrix: &BlockMatrix, is_free: &[bool]) -> Result<Real, BenchError> {
     let mut right_hand_side = vec![1.0; pattern.dimension()];
     let mut cholesky = Cholesky::analyze(pattern)?;
     cholesky.values_mut().copy_from_slice(&values);
-    let mut outcome = Ok(());
-    let time = seconds(|| {
-        outcome = cholesky.factorize();
-        if outcome.is_ok() {
-            right_hand_side.fill(1.0);
-            cholesky.solve_in_place(&mut right_hand_side);
-        }
-    });
-    outcome?;
-    Ok(time)
+    tried(|| {
+        cholesky.factorize()?;
+        right_hand_side.fill(1.0);
+        cholesky.solve_in_place(&mut right_hand_side);
+        Ok::<_, BenchError>(())
+    })
 }
 
 fn product(side: u32, system: &System) -> Result<Product, BenchError> {
@@ -237,12 +225,7 @@ fn product(side: u32, system: &System) -> Result<Product, BenchError> {
     let preconditioner = Preconditioner::BlockJacobi;
     let mut solver = ConjugateGradients::new(&system.is_free, preconditioner, budget)?;
     solver.prepare(matrix)?;
-    let mut outcome = Ok(());
-    let many = seconds(|| {
-        let solved = solver.solve(matrix, &system.gradient, &mut out);
-        outcome = solved.map(|_| ());
-    });
-    outcome?;
+    let many = tried(|| solver.solve(matrix, &system.gradient, &mut out))?;
     let blocks = matrix.pattern().block_count();
     // A block of 9 numbers and its column; x read, y read and written.
     let bytes = 76 * blocks + 72 * system.is_free.len();

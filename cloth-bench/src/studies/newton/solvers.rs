@@ -80,13 +80,10 @@ impl Solvers {
 
     pub(super) fn report(&self, findings: &mut Findings) -> String {
         for tolerance in TOLERANCES {
-            findings.plot(
-                &format!("newton-solvers-{tolerance:e}"),
-                &self.plot(tolerance),
-            );
+            let name = format!("newton-solvers-{tolerance:e}");
+            findings.plot(&name, &self.plot(tolerance));
         }
-        let table = Table::of(&self.solves);
-        findings.table("newton-solvers", "Linear solvers", table);
+        findings.table("newton-solvers", "Linear solvers", &self.solves);
         self.verdict()
     }
 
@@ -108,27 +105,22 @@ impl Solvers {
 
     /// Who wins, size by size.
     fn verdict(&self) -> String {
-        let mut sides: Vec<u32> = self
+        let sides = self
             .solves
             .iter()
             .map(|solve| solve.vertices_a_side)
-            .collect();
-        sides.dedup();
+            .dedup();
         let sentences = TOLERANCES.map(|tolerance| {
-            let winners: Vec<(u32, &str)> = sides
-                .iter()
-                .filter_map(|&side| Some((side, self.fastest(side, tolerance)?)))
-                .collect();
+            let winner = |side| Some((side, self.fastest(side, tolerance)?));
+            let winners = sides.clone().filter_map(winner).collect_vec();
             let who = match winners.first() {
-                Some((_, name)) if winners.iter().all(|(_, other)| other == name) => {
+                Some((_, name)) if winners.iter().map(|(_, name)| name).all_equal() => {
                     format!("{name} at every size")
                 }
-                _ => {
-                    let each = winners
-                        .iter()
-                        .map(|(side, name)| format!("{name} at {side}"));
-                    each.collect::<Vec<_>>().join(", ")
-                }
+                _ => winners
+                    .iter()
+                    .map(|(side, name)| format!("{name} at {side}"))
+                    .join(", "),
             };
             format!("To a residual of {tolerance:e} the fastest is {who}.")
         });

@@ -45,48 +45,39 @@ impl Problem {
 }
 
 /// Side of the sheets whose stiffness is varied, and their stiffnesses (N/m).
-fn varied(scope: Scope) -> (u32, &'static [Real]) {
-    scope.pick((9, &[1e2, 1e6]), (64, &[1e2, 1e3, 1e5, 1e6]))
-}
+const VARIED: [(u32, &[Real]); 2] = [(9, &[1e2, 1e6]), (64, &[1e2, 1e3, 1e5, 1e6])];
 
 /// The sheets that are softer or stiffer.
 fn of_other_stiffness(scope: Scope) -> impl Iterator<Item = Problem> {
-    let (side, stiffnesses) = varied(scope);
-    stiffnesses
-        .iter()
-        .map(move |&stiffness| Problem { side, stiffness })
+    let (side, stiffnesses) = scope.of(VARIED);
+    let problem = move |&stiffness| Problem { side, stiffness };
+    stiffnesses.iter().map(problem)
 }
 
 fn problems(scope: Scope) -> Vec<Problem> {
-    let sides = super::sides(scope).iter().copied().map(Problem::of_side);
-    sides.chain(of_other_stiffness(scope)).collect()
+    let sides = scope.of(super::SIDES).iter().copied();
+    sides
+        .map(Problem::of_side)
+        .chain(of_other_stiffness(scope))
+        .collect()
 }
 
 /// Label, how much is minimised by what, and the linear solver.
 fn solvers() -> [(&'static str, Solve, LinearMethod); 7] {
     let budget = StoppingCriteria::default();
+    use LinearMethod::{
+        ChebyshevJacobi, Cholesky, ConjugateGradients, GaussSeidel, Jacobi, Multigrid,
+    };
     let newton = |label, linear| (label, Solve::Newton, linear);
+    let multigrid = LinearMethod::default();
     [
-        (
-            "quasi-Newton, multigrid",
-            Solve::QuasiNewton,
-            LinearMethod::default(),
-        ),
-        newton("Newton, Cholesky", LinearMethod::Cholesky),
-        newton(
-            "Newton, multigrid gradients",
-            LinearMethod::Multigrid(budget),
-        ),
-        newton(
-            "Newton, conjugate gradients",
-            LinearMethod::ConjugateGradients(budget),
-        ),
-        newton(
-            "Newton, Chebyshev–Jacobi",
-            LinearMethod::ChebyshevJacobi(budget),
-        ),
-        newton("Newton, Gauss–Seidel", LinearMethod::GaussSeidel(budget)),
-        newton("Newton, Jacobi", LinearMethod::Jacobi(budget)),
+        ("quasi-Newton, multigrid", Solve::QuasiNewton, multigrid),
+        newton("Newton, Cholesky", Cholesky),
+        newton("Newton, multigrid gradients", Multigrid(budget)),
+        newton("Newton, conjugate gradients", ConjugateGradients(budget)),
+        newton("Newton, Chebyshev–Jacobi", ChebyshevJacobi(budget)),
+        newton("Newton, Gauss–Seidel", GaussSeidel(budget)),
+        newton("Newton, Jacobi", Jacobi(budget)),
     ]
 }
 
@@ -156,22 +147,12 @@ fn take(
 
 /// Iterations and seconds to an objective error of `goal`. A solver that ends in a lower minimum than the reference is
 /// measured against that: it would pass the other on its way.
-#[must_use]
 pub fn first_within(goal: Real, trace: &[Sample]) -> Option<(u32, Real)> {
     let end = trace.last()?.error.objective;
     let least = end.min(0.0);
     let there = |sample: &&Sample| sample.error.objective - least <= goal;
     let there = trace.iter().find(there)?;
     Some((there.iteration, there.seconds))
-}
-
-#[derive(Default, Serialize)]
-struct Conditions {
-    problem: Problem,
-    #[serde(rename = "condition number of A")]
-    plain: Real,
-    #[serde(rename = "condition number of D⁻¹A")]
-    preconditioned: Real,
 }
 
 /// Condition numbers of the matrix of a Newton iteration without and with its diagonal blocks inverted.
@@ -191,52 +172,43 @@ pub(super) fn run(study: &mut StudyRun<'_>, of_sides: &[(u32, [Real; 2])]) -> St
     let of_sides = of_sides
         .iter()
         .map(|&(side, found)| (Problem::of_side(side), found));
-    let mut rows: Vec<(Problem, [Real; 2])> = of_sides.collect();
+    let mut rows = of_sides.collect_vec();
     rows.extend(study.grid(
         of_other_stiffness(scope),
         |problem| format!("condition, {}", problem.name()),
         |problem| conditions(&System::falling(problem.side, problem.stiffness)?),
     ));
-    let row = |(problem, [plain, preconditioned]): (Problem, [Real; 2])| Conditions {
-        problem,
-        plain,
-        preconditioned,
-    };
-    let rows: Vec<Conditions> = rows.into_iter().map(row).collect();
-    let table = Table::of(&rows);
-    study
-        .findings
-        .table("newton-conditions", "Condition numbers", table);
+    let names = ["condition number of A", "condition number of D⁻¹A"];
+    study.table(
+        "newton-conditions",
+        "Condition numbers",
+        Table::named(&names, &rows),
+    );
     let mut all: Vec<Taken> = Vec::new();
     for solver in solvers() {
         let case = format!("steps, {}", solver.0);
         let taken = study
             .cases
             .parts(&case, |progress| take(scope, solver, progress));
-        all.extend(
-            study
-                .findings
-                .unless_failed(&case, taken)
-                .unwrap_or_default(),
-        );
+        all.extend(study.unless_failed(&case, taken).unwrap_or_default());
     }
     report(scope, &all, &mut study.findings);
     verdict(scope, &all)
 }
 
 fn report(scope: Scope, all: &[Taken], findings: &mut Findings) {
-    let of_problem = |problem| {
-        all.iter()
-            .filter(move |one| one.problem == problem)
-            .cloned()
-    };
-    let rows: Vec<Taken> = problems(scope).into_iter().flat_map(of_problem).collect();
+    let of_problem = |problem| all.iter().filter(move |one| one.problem == problem);
+    let rows = problems(scope)
+        .into_iter()
+        .flat_map(of_problem)
+        .cloned()
+        .collect_vec();
     findings.table(
         "newton-steps",
         "Whole steps to equal errors; empty where a solver did not get there, and without a line beyond",
-        Table::of(&rows),
+        &rows,
     );
-    let (side, _) = varied(scope);
+    let (side, _) = scope.of(VARIED);
     for (goal, error) in GOALS.into_iter().enumerate() {
         let ms = |one: &Taken| if goal == 0 { one.ms } else { one.sharp_ms };
         let curves_over = |x: fn(&Problem) -> Real, is_on: &dyn Fn(&Problem) -> bool| {
@@ -261,22 +233,16 @@ fn report(scope: Scope, all: &[Taken], findings: &mut Findings) {
 
 /// The times of those who reach the sharper goal on the largest sheet.
 fn verdict(scope: Scope, all: &[Taken]) -> String {
-    let Some(&side) = super::sides(scope).last() else {
+    let Some(&side) = scope.of(super::SIDES).last() else {
         return String::new();
     };
     let largest = all
         .iter()
         .filter(|one| one.problem == Problem::of_side(side));
-    let mut times: Vec<(&str, u32, Real)> = largest
-        .filter_map(|one| Some((one.solver.as_str(), one.sharp_iterations?, one.sharp_ms?)))
-        .collect();
-    times.sort_by(|a, b| a.2.total_cmp(&b.2));
-    let each = times
-        .iter()
-        .map(|(label, count, ms)| format!("{label} {ms:.0} ms in {count} iterations"));
-    format!(
-        "A whole step of {side} × {side} vertices to an error of {:e}: {}.",
-        GOALS[1],
-        each.collect::<Vec<_>>().join(", ")
-    )
+    let times = largest.filter_map(|one| Some((&one.solver, one.sharp_iterations?, one.sharp_ms?)));
+    let times = times.sorted_by(|a, b| a.2.total_cmp(&b.2));
+    let mut each =
+        times.map(|(label, count, ms)| format!("{label} {ms:.0} ms in {count} iterations"));
+    let (goal, each) = (GOALS[1], each.join(", "));
+    format!("A whole step of {side} × {side} vertices to an error of {goal:e}: {each}.")
 }

@@ -1,13 +1,11 @@
 //! The constant matrix: its fill, what it costs to factorise, to solve with and to change.
 
-use super::super::{Findings, Scope};
 use crate::studies::prelude::*;
 use cloth_core::element::Projective;
 use cloth_core::energy::Spring;
 use cloth_core::method::linear::{Cholesky, UpperPattern};
 use cloth_core::method::parallel::wide;
-use cloth_pd::LocalStep;
-use cloth_pd::{PanelFactor, WoodburyUpdate};
+use cloth_pd::{LocalStep, PanelFactor, WoodburyUpdate};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -56,72 +54,85 @@ fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [Vec<(
     }
 }
 
-pub(super) fn sizes(scope: Scope) -> &'static [u32] {
-    scope.pick(&[17, 33], &[32, 64, 128, 256, 512])
-}
+const SIZES: [&[u32]; 2] = [&[17, 33], &[32, 64, 128, 256, 512]];
 
 /// Repetitions, of which the shortest counts.
 const REPETITIONS: u32 = 10;
 /// Changed rows, at most, that are tried.
 const MOST_ROWS: usize = 120;
 
-/// One row per size.
-pub(super) fn costs(
-    scope: Scope,
-    findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
-) -> Result<(), BenchError> {
-    let mut table = Table::default();
-    for &n in sizes(scope) {
-        progress(&format!("projective: the factor, {n} × {n}"));
-        let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
-        let b = &scene.start.positions;
-        let mut cholesky = constant_matrix(&scene)?;
-        let mut panels = PanelFactor::new(cholesky.factor());
-        let (mut solution, mut columns) = (b.clone(), vec![1.0; 3 * b.len()]);
-        let numbers = vec![1.0; cholesky.factor_len()];
-        let [mut factorise, mut solve, mut library, mut stream] = [Real::INFINITY; 4];
-        for _ in 0..REPETITIONS {
-            let started = Instant::now();
-            cholesky.factorize()?;
-            panels.refill(cholesky.factor());
-            factorise = factorise.min(started.elapsed().as_secs_f64());
-            // The first solve of each finds the other's numbers in the caches.
-            for _ in 0..3 {
-                solve = solve.min(seconds(|| panels.solve(b, &mut solution)));
-            }
-            for _ in 0..3 {
-                stream = stream.min(seconds(|| read_twice(&numbers)));
-            }
-            for _ in 0..3 {
-                library = library.min(seconds(|| cholesky.solve_in_place(&mut columns)));
-            }
+/// Of the factor of one size: numbers in the lower half of the matrix and in the factor, their ratio, and so on, as the
+/// columns say.
+type Cost = (
+    usize,
+    usize,
+    Real,
+    Real,
+    Real,
+    Real,
+    Real,
+    Real,
+    Real,
+    Option<usize>,
+);
+const COST: [&str; 11] = [
+    "n",
+    "numbers in the lower half of the matrix",
+    "numbers in the factor",
+    "fill",
+    "ms to factorise",
+    "ms a solve",
+    "ms the library's solve",
+    "library's solve / own",
+    "GB/s, the factor read twice",
+    "times as long as reading it",
+    "changed rows as dear as factorising",
+];
+
+fn cost(n: u32) -> Result<Cost, BenchError> {
+    let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+    let b = &scene.start.positions;
+    let mut cholesky = constant_matrix(&scene)?;
+    let mut panels = PanelFactor::new(cholesky.factor());
+    let (mut solution, mut columns) = (b.clone(), vec![1.0; 3 * b.len()]);
+    let numbers = vec![1.0; cholesky.factor_len()];
+    let [mut factorise, mut solve, mut library, mut stream] = [Real::INFINITY; 4];
+    for _ in 0..REPETITIONS {
+        let started = Instant::now();
+        cholesky.factorize()?;
+        panels.refill(cholesky.factor());
+        factorise = factorise.min(started.elapsed().as_secs_f64());
+        // The first solve of each finds the other's numbers in the caches.
+        for _ in 0..3 {
+            solve = solve.min(seconds(|| panels.solve(b, &mut solution)));
         }
-        let rows = rows_worth(factorise, &mut panels, b.len());
-        let (given, factor) = (cholesky.values_mut().len(), cholesky.factor_len());
-        table.push([
-            ("n", Cell::from(n as usize)),
-            ("numbers in the lower half of the matrix", Cell::from(given)),
-            ("numbers in the factor", Cell::from(factor)),
-            ("fill", Cell::from(factor as Real / given as Real)),
-            ("ms to factorise", Cell::from(1e3 * factorise)),
-            ("ms a solve", Cell::from(1e3 * solve)),
-            ("ms the library's solve", Cell::from(1e3 * library)),
-            ("library's solve / own", Cell::from(library / solve)),
-            (
-                "GB/s, the factor read twice",
-                Cell::from(16e-9 * factor as Real / solve),
-            ),
-            ("times as long as reading it", Cell::from(solve / stream)),
-            ("changed rows as dear as factorising", Cell::from(rows)),
-        ]);
+        for _ in 0..3 {
+            stream = stream.min(seconds(|| read_twice(&numbers)));
+        }
+        for _ in 0..3 {
+            library = library.min(seconds(|| cholesky.solve_in_place(&mut columns)));
+        }
     }
-    findings.table(
+    let rows = rows_worth(factorise, &mut panels, b.len());
+    let (given, factor) = (cholesky.values_mut().len(), cholesky.factor_len());
+    let fill = factor as Real / given as Real;
+    let [ms, ms_solve, ms_library] = [factorise, solve, library].map(|seconds| 1e3 * seconds);
+    let bandwidth = 16e-9 * factor as Real / solve;
+    let over = [library / solve, solve / stream];
+    Ok((
+        given, factor, fill, ms, ms_solve, ms_library, over[0], bandwidth, over[1], rows,
+    ))
+}
+
+/// One row per size.
+pub(super) fn costs(study: &mut StudyRun<'_>) {
+    let sizes = study.scope.of(SIZES).iter().copied();
+    let rows = study.grid(sizes, |n| format!("the factor, {n} × {n}"), |&n| cost(n));
+    study.table(
         "projective-factor",
         "The constant matrix of the hanging sheet, bending included: fill, and the shortest of thirty times to factorise, to solve for three right-hand sides, and to change it",
-        table,
+        Table::named(&COST, &rows),
     );
-    Ok(())
 }
 
 /// Reads the numbers from first to last and from last to first, as a solve does.
@@ -152,48 +163,52 @@ fn seconds(work: impl FnOnce()) -> Real {
     started.elapsed().as_secs_f64()
 }
 
-/// The local step of the springs, beside moving the same bytes.
-pub(super) fn local_steps(
-    scope: Scope,
-    findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
-) -> Result<(), BenchError> {
-    let mut table = Table::default();
-    for &n in sizes(scope) {
-        progress(&format!("projective: the local step, {n} × {n}"));
-        let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
-        let (springs, x) = (&scene.model.springs, &scene.start.positions);
-        let local = LocalStep::new(&scene.model.particles, springs.clone());
-        let mut local = local.map_err(BenchError::usage)?;
-        let mut forces = vec![Vec3::zeros(); x.len()];
-        let [mut project, mut moved] = [Real::INFINITY; 2];
-        for _ in 0..10 * REPETITIONS {
-            project = project.min(seconds(|| {
-                black_box(local.add_gradient(x, &mut forces));
-            }));
-            moved = moved.min(seconds(|| move_bytes(springs, x, &mut forces)));
-        }
-        let per_spring = 1e9 / springs.len() as Real;
-        table.push([
-            ("n", Cell::from(n as usize)),
-            ("springs", Cell::from(springs.len())),
-            ("ns a spring", Cell::from(project * per_spring)),
-            ("bytes", Cell::from(local_bytes(springs, x))),
-            ("ns a spring to move them", Cell::from(moved * per_spring)),
-            ("times as long as moving them", Cell::from(project / moved)),
-        ]);
+/// Number of springs, ns a spring, bytes, ns a spring to move them, and the ratio of these times.
+type Local = (usize, Real, usize, Real, Real);
+
+fn local_step(n: u32) -> Result<Local, BenchError> {
+    let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+    let (springs, x) = (&scene.model.springs, &scene.start.positions);
+    let local = LocalStep::new(&scene.model.particles, springs.clone());
+    let mut local = local.map_err(BenchError::usage)?;
+    let mut forces = vec![Vec3::zeros(); x.len()];
+    let [mut project, mut moved] = [Real::INFINITY; 2];
+    for _ in 0..10 * REPETITIONS {
+        project = project.min(seconds(|| {
+            black_box(local.add_gradient(x, &mut forces));
+        }));
+        moved = moved.min(seconds(|| move_bytes(springs, x, &mut forces)));
     }
-    findings.table(
+    let count = springs.len();
+    let [own, least] = [project, moved].map(|seconds| 1e9 * seconds / count as Real);
+    Ok((count, own, local_bytes(springs, x), least, project / moved))
+}
+
+/// The local step of the springs, beside moving the same bytes.
+pub(super) fn local_steps(study: &mut StudyRun<'_>) {
+    let sizes = study.scope.of(SIZES).iter().copied();
+    let rows = study.grid(
+        sizes,
+        |n| format!("the local step, {n} × {n}"),
+        |&n| local_step(n),
+    );
+    let names = [
+        "n",
+        "springs",
+        "ns a spring",
+        "bytes",
+        "ns a spring to move them",
+        "times as long as moving them",
+    ];
+    study.table(
         "projective-local",
         "The local step of the springs of the hanging sheet, beside moving the same bytes: a spring and a position are read, a force is read and written; the shortest of a hundred times",
-        table,
+        Table::named(&names, &rows),
     );
-    Ok(())
 }
 
 /// Bytes that the local step of springs has to move: those of a spring, of a position, and of a force that is read and
 /// written.
-#[must_use]
 pub fn local_bytes(springs: &[Spring], x: &[Vec3]) -> usize {
     size_of_val(springs) + 3 * size_of_val(x)
 }

@@ -1,7 +1,6 @@
 //! Five seconds of the hanging sheet: what too few iterations a step do to its swinging, of projective dynamics and of
 //! implicit Euler.
 
-use super::super::{Findings, Scope};
 use super::{LONG, SHORT};
 use crate::studies::prelude::*;
 use cloth_core::measure::{Strain, kinetic_energy};
@@ -46,16 +45,11 @@ pub const PD: &str = "pd";
 /// The name of implicit Euler.
 pub const EULER: &str = "implicit-euler";
 
-pub(super) fn sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[13],
-        // Implicit Euler alone would take a minute at 128.
-        Scope::Full => &[32, 64],
-    }
-}
+/// Vertices a side. Implicit Euler alone would take a minute at 128.
+const SIZES: [&[u32]; 2] = [&[13], &[32, 64]];
 
 /// Means over the last steps, and the end.
-#[derive(Debug)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Swing {
     kinetic: Real,
     stretch: Real,
@@ -64,9 +58,6 @@ pub struct Swing {
 
 impl Swing {
     /// Five seconds of a sheet of `n` vertices a side.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] with the method's own error.
     pub fn of(n: u32, method: &str, settings: &Settings) -> Result<Self, BenchError> {
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
         let mut solver = Method::find(method)?.build(&scene, settings, scene.dt)?;
@@ -90,7 +81,6 @@ impl Swing {
     }
 
     /// How it compares with `reference`.
-    #[must_use]
     pub fn relative_to(&self, reference: &Self) -> Errors {
         Errors {
             kinetic: self.kinetic / reference.kinetic - 1.0,
@@ -113,7 +103,6 @@ pub struct Errors {
 
 impl Errors {
     /// Whether the motion is the right one, as far as seconds of it are to be shown.
-    #[must_use]
     pub fn are_small(&self) -> bool {
         self.kinetic.abs() <= KINETIC && self.stretch.abs() <= STRETCH
     }
@@ -123,61 +112,58 @@ impl Errors {
 const KINETIC: Real = 0.15;
 const STRETCH: Real = 0.05;
 
-pub(super) fn swings(
-    scope: Scope,
-    findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
-) -> Result<(), BenchError> {
-    let mut table = Table::default();
+/// What is told of a swing; relative is to converged implicit Euler.
+const COLUMNS: [&str; 9] = [
+    "n",
+    "setting",
+    "largest stretch, mean",
+    "relative to implicit Euler",
+    "largest stretch at the end, relative",
+    "kinetic energy, mean (J)",
+    "kinetic energy, relative",
+    "elastic energy at the end (J)",
+    "ms per step",
+];
+
+pub(super) fn swings(study: &mut StudyRun<'_>) {
+    let converged = ("implicit Euler, converged", EULER, CONVERGED);
+    let settings = [converged].into_iter().chain(SETTINGS);
+    let found = study.grid(
+        iproduct!(study.scope.of(SIZES).iter().copied(), settings),
+        |(n, (label, ..))| format!("{label} for five seconds, {n} × {n}"),
+        |&(n, (_, method, settings))| Swing::of(n, method, &Settings::of(settings)),
+    );
     let columns = [
         "vertices",
         "the better",
         "implicit Euler, cut short",
         "projective dynamics",
     ];
-    let mut judged = Table::new(&columns);
-    for &n in sizes(scope) {
-        progress(&format!("projective: five seconds, {n} × {n}"));
-        let converged = Swing::of(n, EULER, &Settings::of(CONVERGED))?;
-        let mut push = |label: &str, swing: &Swing| {
-            let errors = swing.relative_to(&converged);
-            table.push([
-                ("n", Cell::from(n as usize)),
-                ("setting", Cell::from(label)),
-                ("largest stretch, mean", Cell::from(swing.stretch)),
-                ("relative to implicit Euler", Cell::from(errors.stretch)),
-                (
-                    "largest stretch at the end, relative",
-                    Cell::from(swing.end.max_stretch / converged.end.max_stretch - 1.0),
-                ),
-                ("kinetic energy, mean (J)", Cell::from(swing.kinetic)),
-                ("kinetic energy, relative", Cell::from(errors.kinetic)),
-                (
-                    "elastic energy at the end (J)",
-                    Cell::from(swing.end.elastic_energy),
-                ),
-                ("ms per step", Cell::from(errors.ms)),
-            ]);
-            errors
-        };
-        push("implicit Euler, converged", &converged);
-        let mut rows = Vec::new();
-        for (label, method, settings) in SETTINGS {
-            progress(&format!("projective: {label} for five seconds, {n} × {n}"));
-            let outcome = Swing::of(n, method, &Settings::of(settings));
-            if let Some(swing) = findings.unless_failed(label, outcome) {
-                rows.push((label, method, push(label, &swing)));
-            }
+    let (mut rows, mut judged) = (Vec::new(), Table::new(&columns));
+    for of_size in found.chunk_by(|((n, _), _), ((other, _), _)| n == other) {
+        let ((n, first), right) = &of_size[0];
+        if *first != converged {
+            continue; // it failed, which is a remark already
         }
+        rows.extend(of_size.iter().map(|((n, (label, ..)), swing)| {
+            let errors = swing.relative_to(right);
+            let at_end = swing.end.max_stretch / right.end.max_stretch - 1.0;
+            let stretch = [swing.stretch, errors.stretch, at_end];
+            let energies = [swing.kinetic, errors.kinetic, swing.end.elastic_energy];
+            (*n, *label, stretch, energies, errors.ms)
+        }));
+        let errors = of_size[1..]
+            .iter()
+            .map(|((_, (label, method, _)), swing)| (*label, *method, swing.relative_to(right)));
         let sheet = Cell::said(format!("{n} × {n}"));
-        judged.line(sheet, verdict(&rows).map(Cell::said));
+        judged.line(sheet, verdict(&errors.collect_vec()).map(Cell::said));
     }
-    findings.table(
+    study.table(
         "projective-swing",
         "The hanging sheet after five seconds (300 steps); means over the last 100",
-        table,
+        Table::named(&COLUMNS, &rows),
     );
-    findings.answer(
+    study.answer(
         "Is the implicit Euler step, cut short, better than projective dynamics at equal time?",
         format!(
             "The fastest of either whose mean kinetic energy is within {} and whose mean stretch is within {} of converged implicit Euler's after five seconds:",
@@ -187,11 +173,9 @@ pub(super) fn swings(
         Some(judged),
         "table-projective-swing",
     );
-    Ok(())
 }
 
 /// Which of the two gets a swing right first, and what that takes either.
-#[must_use]
 pub fn verdict(rows: &[(&str, &str, Errors)]) -> [String; 3] {
     let cheapest = |wanted: &str| {
         let good = rows

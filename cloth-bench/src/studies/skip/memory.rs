@@ -1,6 +1,6 @@
 //! What a feature costs in memory: everything that a scene, its solver, its contact and the first step ask for.
 
-use super::{Feature, Presence, Variant, settings};
+use super::{Presence, Variant, settings};
 use crate::memory::{Allocated, allocated};
 use crate::studies::prelude::*;
 
@@ -45,19 +45,10 @@ pub struct Held {
     pub later: i64,
 }
 
-/// Vertices a side.
-fn side(scope: Scope) -> u32 {
-    scope.pick(9, 33)
-}
-
 /// What a sheet of so many vertices a side holds with a feature.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error.
 pub fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
     // One thread, so that nothing is asked for by another.
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let alone = alone.map_err(BenchError::failed)?;
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     alone.install(|| {
         let of = |used| -> Result<(Allocated, Allocated), BenchError> {
             let settings = settings(n, feature, used)?;
@@ -89,38 +80,34 @@ pub fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
     })
 }
 
-/// Every feature with every method that has it.
-pub fn features() -> impl Iterator<Item = Feature> {
-    FEATURES
-        .into_iter()
-        .flat_map(move |(feature, of_method, settings)| {
-            let has = move |method: &&Method| {
-                let used = Settings::of(settings[2]);
-                !of_method || used.among(&method.parameters()) == used
-            };
-            method::all().filter(has).map(move |method| Feature {
-                feature,
-                method: method.name,
-            })
-        })
+/// Every feature with the name of every method that has it.
+pub fn features() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let has = |&((_, of_method, settings), method): &((_, bool, [&str; 3]), &Method)| {
+        let used = Settings::of(settings[2]);
+        !of_method || used.among(&method.parameters()) == used
+    };
+    let all = iproduct!(FEATURES, method::all().collect_vec());
+    all.filter(has)
+        .map(|((feature, ..), method)| (feature, method.name))
 }
 
 /// Measures all, and says what is not free.
 pub(super) fn run(study: &mut StudyRun<'_>) -> String {
-    let n = side(study.scope);
+    let n = study.scope.pick(9, 33); // vertices a side
     let rows = study.grid(
         features(),
-        |Feature { feature, method }| format!("memory, {feature}, {method}"),
-        |Feature { feature, method }| held(n, feature, method),
+        |(feature, method)| format!("memory, {feature}, {method}"),
+        |(feature, method)| held(n, feature, method),
     );
     let caption =
         format!("Memory of the {n} × {n} sheet with and without a feature, after one step");
-    study
-        .findings
-        .table("skip-memory", &caption, Table::of(&rows));
+    let table = Table::named(&["feature", "method"], &rows);
+    study.table("skip-memory", &caption, table);
     let costly = rows.iter().filter(|(_, held)| held.unused != 0);
-    let mut costly: Vec<&str> = costly.map(|(feature, _)| feature.feature).collect();
-    costly.dedup();
+    let costly = costly
+        .map(|((feature, _), _)| *feature)
+        .dedup()
+        .collect_vec();
     let most = rows.iter().map(|(_, held)| held.unused).max().unwrap_or(0);
     format!(
         "Of {} features {} hold no memory where they are not used; the others ({}) up to {most} bytes.",

@@ -144,32 +144,24 @@ pub static MAPS: [Map; 5] = [
 
 impl Map {
     /// Values across and down.
-    pub(super) fn values(&self, scope: Scope) -> (Vec<Real>, Vec<Real>) {
-        let [across, down] = self.values[usize::from(scope == Scope::Full)];
-        (across.to_vec(), down.to_vec())
+    pub(super) fn values(&self, scope: Scope) -> [&'static [Real]; 2] {
+        scope.of(self.values)
     }
 
     /// What a method makes of every value across, with one down.
-    ///
-    /// # Errors
-    /// [`BenchError`] for a method that is not known.
     pub fn row(&self, scope: Scope, down: Real, method: &Variant) -> Result<Vec<Fate>, BenchError> {
-        let steps = if scope == Scope::Quick { 20 } else { 60 };
-        let (across, _) = self.values(scope);
-        let fate = |first: Real| match (self.build)(first, down) {
+        let steps = scope.pick(20, 60);
+        let fate = |&first: &Real| match (self.build)(first, down) {
             Ok((scene, dt)) => worst(runs(scope, method.method()), |seed| {
                 follow(&jittered(&scene, seed), method, dt, steps)
             }),
             Err(error) => Ok(Fate::Refused(error.to_string())),
         };
-        across.into_iter().map(fate).collect()
+        self.values(scope)[0].iter().map(fate).collect()
     }
 }
 
 /// The worst that came of so many runs, of which one that fails is enough.
-///
-/// # Errors
-/// The first of `run`.
 pub fn worst(
     runs: u64,
     mut run: impl FnMut(u64) -> Result<Fate, BenchError>,
@@ -177,10 +169,10 @@ pub fn worst(
     let mut worst = Fate::Ok;
     for seed in 1..=runs {
         let fate = run(seed)?;
-        if fate.severity() > worst.severity() {
+        if worst == Fate::Ok || fate.is_lost() {
             worst = fate;
         }
-        if worst.severity() >= Fate::Grew(0).severity() {
+        if worst.is_lost() {
             break;
         }
     }
@@ -211,9 +203,6 @@ fn hung(stiffness: Real) -> Result<Scene, BenchError> {
 }
 
 /// The sheet moved by `offset` (m) along each axis: its edges lose as many digits as its coordinates have more.
-///
-/// # Errors
-/// [`BenchError`] of a scene that cannot be built.
 pub fn far_away(offset: Real, stiffness: Real) -> Result<Scene, BenchError> {
     let mut scene = hung(stiffness)?;
     for x in &mut scene.start.positions {

@@ -9,13 +9,8 @@ use cloth_bench::report::table::{Cell, Table};
 
 #[test]
 fn every_value_comes_back() {
-    let mut table = Table::default();
-    table.push([
-        ("method", Cell::from("pbd")),
-        ("error", Cell::from(0.1)),
-        ("steps", Cell::from(3_usize)),
-        ("remark", Cell::Missing),
-    ]);
+    let mut table = Table::new(&["method", "error", "steps", "remark"]);
+    table.line("pbd", [0.1.into(), 3_usize.into(), Cell::Missing]);
     let bytes = file([("convergence", "one", &table)]).unwrap();
     let mut reader = FileReader::try_new(std::io::Cursor::new(bytes), None).unwrap();
     let names: Vec<_> = reader

@@ -52,8 +52,8 @@ fn base64_agrees_with_rfc_4648() {
 
 fn nasty() -> Report {
     let nasty = "<script>alert(\"x\")</script> & 'more' \u{1}";
-    let mut table = Table::default();
-    table.push([(nasty, nasty.into())]);
+    let mut table = Table::new(&[nasty]);
+    table.line(nasty, []);
     let answer = |kind: &str| Answer {
         question: nasty.into(),
         answer: nasty.into(),

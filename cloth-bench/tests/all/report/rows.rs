@@ -42,3 +42,25 @@ fn columns_are_the_fields_of_a_point_and_of_what_was_measured_there() {
 fn a_table_without_rows_has_its_columns() {
     assert_eq!(Table::of::<Point>(&[]).to_csv(), "method,dt (s)\r\n");
 }
+
+#[test]
+fn values_of_tuples_have_the_names_that_are_given() {
+    let point = Point {
+        method: "pd",
+        dt: 0.5,
+    };
+    let rows = [(("drape", 9_u32), point, [1.5, f64::NAN])];
+    let names = ["scene", "n", "one", "other"];
+    assert_eq!(
+        Table::named(&names, &rows).to_csv(),
+        "scene,n,method,dt (s),one,other\r\ndrape,9,pd,0.5,1.5,NaN\r\n"
+    );
+    let none: [(u32, Point); 0] = [];
+    assert_eq!(Table::named(&["n"], &none).to_csv(), "n,method,dt (s)\r\n");
+}
+
+#[test]
+#[should_panic(expected = "a nameless value")]
+fn values_without_a_name_are_refused() {
+    let _ = Table::of(&[(1_u32, Point::default())]);
+}

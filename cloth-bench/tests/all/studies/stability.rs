@@ -20,18 +20,29 @@ fn one_run_of_ten_that_fails_fails_the_cell() {
     assert_eq!(of(10), Fate::Diverged(2));
 }
 
+/// From passing to failing at once.
+fn severity(fate: &Fate) -> u8 {
+    match fate {
+        Fate::Ok => 0,
+        Fate::Strained(_) => 1,
+        Fate::Grew(_) => 2,
+        Fate::Diverged(_) => 3,
+        Fate::Refused(_) => 4,
+    }
+}
+
 /// Nothing is lost at 10 km, of the digits there are, and everything at 10⁹ km.
 #[test]
 fn far_from_the_origin_every_method_fares_as_at_it() {
     let map = MAPS.iter().find(|map| map.name == "offset").unwrap();
     for variant in (map.methods)() {
         let row = map.row(Scope::Quick, 1e4, &variant).unwrap();
-        assert_eq!(row[0].severity(), row[1].severity(), "{}", variant.label);
+        assert_eq!(severity(&row[0]), severity(&row[1]), "{}", variant.label);
     }
     let far = map::far_away(1e12, 1e2).unwrap();
     let xpbd = Variant::default_of(Method::find("xpbd").unwrap());
     let fate = follow(&far, &xpbd, 1.0 / 60.0, 60).unwrap();
-    assert!(fate.severity() >= Fate::Grew(0).severity(), "{fate:?}");
+    assert!(fate.is_lost(), "{fate:?}");
 }
 
 #[test]
@@ -39,7 +50,7 @@ fn one_iteration_a_step_does_not_always_serve() {
     let map = MAPS.iter().find(|map| map.name == "one-iteration").unwrap();
     let row = |variant: &Variant, stiffness| {
         let fates = map.row(Scope::Quick, stiffness, variant).unwrap();
-        fates.iter().map(Fate::severity).collect::<Vec<_>>()
+        fates.iter().map(severity).collect::<Vec<_>>()
     };
     let cut_short = (map.methods)();
     for (label, stiffness, expected) in [

@@ -1,6 +1,6 @@
 //! Steps of every size in contact, and starts that pass through themselves.
 
-use cloth_bench::studies::contact::survival::{Fate, Pairing, follow, recover, scene_of};
+use cloth_bench::studies::contact::survival::{Fate, follow, recover, scene_of};
 
 #[test]
 fn implicit_euler_comes_through_contact_and_the_midpoint_rule_does_not() {
@@ -21,7 +21,7 @@ fn implicit_euler_comes_through_contact_and_the_midpoint_rule_does_not() {
 fn sheets_that_pass_through_each_other_are_pulled_apart_for_good() {
     for method in ["implicit-euler", "xpbd"] {
         for scene in ["fold", "stack"] {
-            let found = recover(Pairing { scene, method }, 9, 40).unwrap();
+            let found = recover(scene, method, 9, 40).unwrap();
             assert!(found.pairs_at_start >= 10, "{found:?}");
             assert!(
                 found.steps_until_free.is_some_and(|steps| steps < 15),

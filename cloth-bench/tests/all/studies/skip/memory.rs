@@ -1,12 +1,11 @@
 //! Memory of features that are not used.
 
-use cloth_bench::studies::skip::Feature;
 use cloth_bench::studies::skip::memory::{features, held};
 
 /// But for a contact hook that is there and has nothing to do, which holds its mesh.
 #[test]
 fn what_is_not_used_holds_no_memory_and_what_is_used_does() {
-    for Feature { feature, method } in features() {
+    for (feature, method) in features() {
         let held = held(9, feature, method).unwrap();
         let told = format!("{feature}, {method}: {held:?}");
         assert_eq!(held.later, 0, "{told}");
