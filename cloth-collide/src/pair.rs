@@ -27,6 +27,23 @@ pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Ve
     ends.map(|(v, w)| x[v as usize] * w).sum()
 }
 
+/// The weights c_k of four vertices at `x` (m), and r = Σ c_k x_k (m), from the second nearest point to the first.
+#[inline]
+pub(crate) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> ([Real; 4], Vec3) {
+    match kind {
+        QueryKind::VertexTriangle => {
+            let found = point_triangle(x[0], [x[1], x[2], x[3]]);
+            let [a, b, c] = found.weights;
+            ([1.0, -a, -b, -c], found.separation)
+        }
+        QueryKind::EdgeEdge => {
+            let found = edge_edge([x[0], x[1]], [x[2], x[3]]);
+            let [s, t] = found.along;
+            ([1.0 - s, s, t - 1.0, -t], found.separation)
+        }
+    }
+}
+
 /// Between the nearest points of two primitives.
 ///
 /// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes
@@ -50,18 +67,7 @@ impl Gap {
     /// Of a vertex and a triangle, or of two edges, at positions `x` (m) in this order.
     #[must_use]
     pub fn new(kind: QueryKind, x: &[Vec3; 4]) -> Self {
-        let (weights, separation) = match kind {
-            QueryKind::VertexTriangle => {
-                let found = point_triangle(x[0], [x[1], x[2], x[3]]);
-                let [a, b, c] = found.weights;
-                ([1.0, -a, -b, -c], found.separation)
-            }
-            QueryKind::EdgeEdge => {
-                let found = edge_edge([x[0], x[1]], [x[2], x[3]]);
-                let [s, t] = found.along;
-                ([1.0 - s, s, t - 1.0, -t], found.separation)
-            }
-        };
+        let (weights, separation) = nearest(kind, x);
         let distance = separation.norm();
         let normal = if distance > 0.0 {
             separation / distance

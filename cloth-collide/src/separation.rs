@@ -8,10 +8,10 @@ pub use surface::distance_from_surface;
 
 use crate::bounds::Bounds;
 use crate::broad_phase::TrianglePairs;
-use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
-use crate::incidence::{Incidence, Primitives};
+use crate::incidence::Incidence;
 use crate::intersect::{segment_meets_triangle, triangles_meet};
+use crate::pair::{Pair, nearest as nearest_points};
 use crate::potential::let_go::LetGo;
 use crate::potential::sewn::Sewn;
 use cloth_core::math::{Real, Vec3, gather};
@@ -164,28 +164,16 @@ impl SeparationProbe {
         if is_far(bounds(pair[0]), bounds(pair[1])) || !self.counts(pair.map(corners)) {
             return;
         }
-        let edge = |e: u32| gather(positions, self.incidence.edges[e as usize]);
-        self.incidence.visit(pair, |primitives| {
-            let found = match primitives {
-                Primitives::EdgeTriangle(e, t) => {
-                    return !is_far(&Bounds::around(edge(e)), bounds(t));
+        let reaches = |ends, t| !is_far(&Bounds::around(gather(positions, ends)), bounds(t));
+        self.incidence
+            .visit(pair, reaches, |Pair { kind, vertices }, _| {
+                let x = gather(positions, vertices);
+                let (one, other) = x.split_at(kind.split());
+                if !is_far(&Bounds::of(one), &Bounds::of(other)) {
+                    let found = nearest_points(kind, &x).1.norm_squared();
+                    nearest.set(nearest.get().min(found));
                 }
-                Primitives::VertexTriangle(v, t) => {
-                    let point = positions[v as usize];
-                    let is_far = is_far(&Bounds::around([point]), bounds(t));
-                    let triangle = gather(positions, corners(t));
-                    (!is_far).then(|| point_triangle(point, triangle).separation)
-                }
-                Primitives::EdgeEdge(e, f) => {
-                    let [first, second] = [e, f].map(edge);
-                    let is_far = is_far(&Bounds::around(first), &Bounds::around(second));
-                    (!is_far).then(|| edge_edge(first, second).separation)
-                }
-            };
-            let found = found.map_or(Real::INFINITY, |found| found.norm_squared());
-            nearest.set(nearest.get().min(found));
-            true
-        });
+            });
     }
 }
 

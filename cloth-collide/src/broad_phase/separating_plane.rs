@@ -21,12 +21,7 @@ impl SeparatingPlane {
     }
 
     /// Whether a plane across `direction`, of any length and from the second group towards the first, has them apart.
-    pub(super) fn is_plane<const M: usize, const N: usize>(
-        &self,
-        direction: &Vec3,
-        first: &[&Bounds; M],
-        second: &[&Bounds; N],
-    ) -> bool {
+    pub(super) fn is_plane(&self, direction: &Vec3, first: &[&Bounds], second: &[&Bounds]) -> bool {
         let mut sides = [[Real::INFINITY, Real::NEG_INFINITY]; 2];
         let mut widen = |side: usize, bounds: &Bounds| {
             let [low, high] = range(direction, bounds);

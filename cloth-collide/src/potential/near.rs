@@ -278,12 +278,14 @@ impl Near {
         vertices.iter().any(|&v| self.is_free[v as usize]) && !self.is_pinched(&vertices)
     }
 
-    /// Whether a vertex before a triangle is kept out of its body by a signed distance, so that the two need no look.
-    pub(super) fn is_kept_out(&self, vertex: u32, corners: [u32; 3]) -> bool {
-        self.is_own(vertex)
-            && self
-                .side(corners[0])
-                .is_some_and(|side| side.has_distance && side.is_exact)
+    /// Whether a pair is a vertex before a triangle of a body that keeps it out by a signed distance, so that the two
+    /// need no look.
+    pub(super) fn is_kept_out(&self, Pair { kind, vertices }: Pair) -> bool {
+        let [vertex, corner, ..] = vertices;
+        let is_exact = |side: Side| side.has_distance && side.is_exact;
+        kind == QueryKind::VertexTriangle
+            && self.is_own(vertex)
+            && self.side(corner).is_some_and(is_exact)
     }
 
     /// Coefficient of friction μ (dimensionless) of a pair.
@@ -317,15 +319,19 @@ impl Near {
         self.law.with_range(self.thickness(vertex as u32))
     }
 
-    /// The area (m²) that a vertex stands for before a triangle: between two sheets, whose vertices all count, half of
-    /// its own; that of a body has no more than the vertices of the cloth there.
-    pub(super) fn area_before(&self, vertex: u32, corners: [u32; 3]) -> Real {
-        let area = |v: u32| self.vertex_area[v as usize];
-        if self.is_own(vertex) {
-            let is_between_sheets = self.is_own(corners[0]) && !self.own.keeps_all_apart;
-            return if is_between_sheets { 0.5 } else { 1.0 } * area(vertex);
+    /// The area (m²) that a pair with these numbers stands for, but for its mollifier. A vertex before a triangle:
+    /// between two sheets, whose vertices all count, half of its own; that of a body has no more than the vertices of
+    /// the cloth there. Two edges: the smaller of theirs.
+    pub(super) fn area_at_rest(&self, Pair { kind, vertices }: Pair, [e, f]: [u32; 2]) -> Real {
+        if kind == QueryKind::EdgeEdge {
+            return self.edge_area[e as usize].min(self.edge_area[f as usize]);
         }
-        area(vertex).min(corners.map(area).iter().sum::<Real>() / 3.0)
+        let [area, corners @ ..] = vertices.map(|v| self.vertex_area[v as usize]);
+        if self.is_own(vertices[0]) {
+            let is_between_sheets = self.is_own(vertices[1]) && !self.own.keeps_all_apart;
+            return if is_between_sheets { 0.5 } else { 1.0 } * area;
+        }
+        area.min(corners.iter().sum::<Real>() / 3.0)
     }
 
     /// The distance (m) from which on a pair pushes: for two parts of one piece no farther than they are apart at rest,
