@@ -95,7 +95,7 @@ mod during;
 mod pieces;
 mod smooth;
 
-pub use back::{ReturnError, bring_back};
+pub use back::bring_back;
 pub use during::{CrossingPairs, StepUntangler};
 
 use crate::error::CollideError;
@@ -186,8 +186,11 @@ impl World<'_> {
     /// Whether two triangles should not meet.
     fn counts(&self, corners: [[u32; 3]; 2]) -> bool {
         let is_free = |&v: &u32| self.inverse_mass[v as usize] > 0.0;
-        self.contacts
-            .is_none_or(|contacts| contacts.part(corners, corners.iter().flatten().any(is_free)))
+        self.contacts.is_none_or(|contacts| {
+            contacts
+                .near()
+                .parts(corners, corners.iter().flatten().any(is_free))
+        })
     }
 
     /// Whether a vertex is inside of a body that has an inside.
@@ -417,7 +420,7 @@ impl Untangler {
         let is_body = |v| {
             world
                 .contacts
-                .is_some_and(|contacts| contacts.body_of(v).is_some())
+                .is_some_and(|contacts| contacts.near().body_of(v).is_some())
         };
         self.pieces.push(positions, is_body, &mut self.gradient);
         self.scale(world.inverse_mass);

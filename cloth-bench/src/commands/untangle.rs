@@ -6,6 +6,7 @@ use crate::mesh_spec;
 use crate::tangle;
 use clap::Args;
 use cloth_collide::SeparationProbe;
+use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::{UntangleOutcome, UntangleProgress, Untangler, bring_back};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{obj, ply};
@@ -100,7 +101,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let report = untangler.relax(&mut x, &inverse_mass, arguments.iterations, after)?;
     if report.pairs_before > 0 && report.pairs_after == 0 {
         eprintln!("untangled; back towards the start");
-        bring_back(&mesh, thickness, &inverse_mass, mesh.positions(), &mut x)?;
+        let contacts = PotentialContacts::builder(&mesh).thickness(thickness);
+        let mut contacts = contacts.keep_all_apart().build()?;
+        bring_back(&mut contacts, &inverse_mass, mesh.positions(), &mut x)?;
     }
     let separation = SeparationProbe::new(&mesh).measure(&x)?;
     let ways = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());

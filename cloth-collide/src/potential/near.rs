@@ -18,32 +18,34 @@ use cloth_core::mesh::TriMesh;
 /// What a vertex of a body's surface knows of its body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
-    /// Whether a signed distance keeps the vertices of the cloth out as well, and whether that is exact.
-    pub(super) has_distance: bool,
-    pub(super) is_exact: bool,
+    /// By how much (m) the signed distance may be off that keeps the vertices of the cloth out as well; infinite if
+    /// there is none.
+    pub(super) error_bound: Real,
     /// Coefficient of friction μ (dimensionless).
     pub(super) friction: Real,
     /// Its number: obstacles first, then animated surfaces.
     pub(super) body: usize,
 }
 
+impl Side {
+    /// Whether there is a signed distance, but not an exact one.
+    fn is_off(&self) -> bool {
+        self.error_bound > 0.0 && self.error_bound < Real::INFINITY
+    }
+}
+
 /// What the cloth has of its own.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Own {
+pub(crate) struct Own {
     /// Thickness (m) and coefficient of friction μ (dimensionless) of each vertex; empty where all are alike.
     pub(super) thicknesses: Vec<Real>,
     pub(super) frictions: Vec<Real>,
     /// Coefficient μ of cloth on cloth (dimensionless).
     pub(super) friction: Real,
-    /// Whether it can touch itself.
     pub(super) self_collision: bool,
-    /// Pieces that may pass through each other.
     pub(super) excluded: LetGo,
-    /// Vertices that are sewn together.
-    pub(super) sewn: Sewn,
-    /// What finds patches and pairs that are near each other.
+    pub(crate) sewn: Sewn,
     pub(super) broad_phase: BroadPhaseKind,
-    /// Whether pinched cloth passes through bodies.
     pub(super) pinched_passes: bool,
     /// Whether edges push from the thickness on, as vertices do, and vertices with all of their area.
     pub(super) keeps_all_apart: bool,
@@ -51,13 +53,13 @@ pub(super) struct Own {
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
 #[derive(Debug)]
-pub(super) struct Near {
+pub(crate) struct Near {
     /// That with the largest range: what is farther apart than it does not touch.
-    pub(super) law: PenaltyLaw,
+    pub(crate) law: PenaltyLaw,
     /// Number of vertices of the cloth; what follows are those of surfaces of bodies.
-    pub(super) cloth: usize,
+    pub(crate) cloth: usize,
     surfaces: Vec<Side>,
-    pub(super) own: Own,
+    pub(crate) own: Own,
     pub(super) incidence: Incidence,
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     pub(super) vertex_area: Vec<Real>,
@@ -174,7 +176,7 @@ impl Near {
 
     /// Whether two triangles are kept apart unless they are let go: bodies do not touch each other, nor prescribed
     /// cloth.
-    pub(super) fn parts(&self, pair: [[u32; 3]; 2], is_free: bool) -> bool {
+    pub(crate) fn parts(&self, pair: [[u32; 3]; 2], is_free: bool) -> bool {
         let first = pair.map(|corners| corners[0]);
         let vertices = pair.as_flattened();
         self.patches_meet(first)
@@ -190,8 +192,7 @@ impl Near {
 
     /// Pairs of triangles that are near each other where they were found last, and could touch.
     fn near_triangles(&self) -> impl Iterator<Item = [[u32; 3]; 2]> + '_ {
-        let found = self.triangle_pairs.iter().flat_map(|pairs| &pairs.pairs);
-        let corners = found.map(|pair| pair.map(|t| self.incidence.triangles[t as usize]));
+        let corners = self.triangle_pairs.iter().flat_map(TrianglePairs::corners);
         corners.filter(|[a, b]| self.patches_meet([a[0], b[0]]))
     }
 
@@ -249,7 +250,7 @@ impl Near {
     }
 
     /// The body that a vertex is of, if it is not of the cloth.
-    pub(super) fn body_of(&self, vertex: u32) -> Option<usize> {
+    pub(crate) fn body_of(&self, vertex: u32) -> Option<usize> {
         self.side(vertex).map(|side| side.body)
     }
 
@@ -282,10 +283,11 @@ impl Near {
     /// need no look.
     pub(super) fn is_kept_out(&self, Pair { kind, vertices }: Pair) -> bool {
         let [vertex, corner, ..] = vertices;
-        let is_exact = |side: Side| side.has_distance && side.is_exact;
         kind == QueryKind::VertexTriangle
             && self.is_own(vertex)
-            && self.side(corner).is_some_and(is_exact)
+            && self
+                .side(corner)
+                .is_some_and(|side| side.error_bound == 0.0)
     }
 
     /// Coefficient of friction μ (dimensionless) of a pair.
@@ -349,7 +351,7 @@ impl Near {
         let thickness = match (self.side(a), self.side(d)) {
             (None, None) => 0.5 * part * (self.thickness(a) + self.thickness(d)),
             // Vertices before a distance that is off are pushed by it; the triangles keep them out where it is wrong.
-            (None, Some(side)) if !side.is_exact => return 0.5 * self.thickness(a),
+            (None, Some(side)) if side.is_off() => return 0.5 * self.thickness(a),
             (None, Some(_)) => return part * self.thickness(a),
             _ => return 0.5 * self.thickness(d),
         };

@@ -29,7 +29,6 @@ const MORE_ITERATIONS: u32 = 16;
 #[derive(Debug)]
 pub struct StepUntangler {
     untangler: Untangler,
-    /// Number of vertices of the cloth.
     cloth: usize,
     sets: DisjointSets,
     is_inside: Vec<bool>,
@@ -71,10 +70,10 @@ impl StepUntangler {
     /// together moves together, and is no crossing; nor are pieces that may pass through each other.
     #[must_use]
     pub fn new(contacts: &PotentialContacts) -> Option<Self> {
-        let (mesh, cloth) = (contacts.mesh()?, contacts.vertex_count());
+        let (mesh, cloth) = (contacts.mesh()?, contacts.near().cloth);
         let count = mesh.vertex_count();
         Some(Self {
-            untangler: Untangler::among(mesh, cloth, &contacts.sewn()),
+            untangler: Untangler::among(mesh, cloth, &contacts.near().own.sewn.pairs()),
             cloth,
             sets: DisjointSets::default(),
             is_inside: vec![false; count],
@@ -120,16 +119,10 @@ impl StepUntangler {
         self.look(contacts, positions)?;
         let crossing = self.crossing();
         let count = crossing.count();
-        let (fewest, best_step) = self.best.unwrap_or((usize::MAX, 0));
-        if count < fewest {
-            self.best = Some((count, self.steps));
-        }
-        let since = self.steps
-            - if count < fewest {
-                self.steps
-            } else {
-                best_step
-            };
+        let fewest = self.best.filter(|(fewest, _)| count >= *fewest);
+        let best = fewest.unwrap_or((count, self.steps));
+        let since = self.steps - best.1;
+        self.best = Some(best);
         self.steps += 1;
         self.start.copy_from_slice(positions);
         if count == 0 {
@@ -177,7 +170,6 @@ impl StepUntangler {
         }
     }
 
-    /// Whether a triangle is of the cloth.
     fn is_own(&self, triangle: u32) -> bool {
         let corners = self.untangler.contour.pairs.triangles[triangle as usize];
         (corners[0] as usize) < self.cloth
@@ -266,7 +258,7 @@ impl StepUntangler {
             .map(|pair| pair.map(|t| corners(t)[0]))
         {
             let of = |v: u32| self.region[v as usize];
-            match first.map(|v| contacts.body_of(v)) {
+            match first.map(|v| contacts.near().body_of(v)) {
                 [None, None] => {
                     let [a, b] = first.map(of);
                     self.pairs.push([a.min(b), a.max(b)]);
