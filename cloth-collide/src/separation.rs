@@ -71,7 +71,6 @@ pub struct Separation {
 pub struct SeparationProbe {
     pairs: TrianglePairs,
     incidence: Incidence,
-    /// Pairs that do not count.
     excluded: LetGo,
     sewn: Sewn,
 }
@@ -132,12 +131,8 @@ impl SeparationProbe {
     }
 
     fn count_intersecting(&self, positions: &[Vec3]) -> usize {
-        let triangles = &self.pairs.triangles;
-        let meets = |pair: &&[u32; 2]| {
-            let corners = pair.map(|t| triangles[t as usize]);
-            self.counts(corners) && meet_unduly(corners, positions)
-        };
-        self.pairs.pairs.iter().filter(meets).count()
+        let counted = self.pairs.corners().filter(|pair| self.counts(*pair));
+        counted.filter(|pair| meet_unduly(*pair, positions)).count()
     }
 
     /// The smallest distance (m), given that the pairs of overlapping boxes have just been listed.

@@ -121,7 +121,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
         Ok(())
     }
 
-    /// Makes candidates from the pairs of triangles.
     fn collect(&mut self) {
         let mut pairs = std::mem::take(&mut self.triangle_pairs.pairs);
         pairs.retain(|pair| !self.are_parted(pair.map(|t| t as usize)));
@@ -200,7 +199,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
     }
 }
 
-/// The smallest box that contains some.
 fn around(boxes: &[&Bounds]) -> Bounds {
     boxes[1..]
         .iter()

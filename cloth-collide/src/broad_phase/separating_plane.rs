@@ -14,7 +14,6 @@ pub(super) struct SeparatingPlane {
 }
 
 impl SeparatingPlane {
-    /// For groups out of `boxes`.
     pub(super) fn among(boxes: &[Bounds]) -> Self {
         let reach = boxes.iter().map(Bounds::size).fold(0.0, Real::max);
         Self { reach }

@@ -18,10 +18,8 @@ use std::cell::Cell;
 /// tree mixes the pieces and is slow, not wrong.
 #[derive(Debug)]
 pub(crate) struct TrianglePairs<B = Hierarchy> {
-    /// The triangles of the mesh, as vertex numbers.
     pub(crate) triangles: Vec<[u32; 3]>,
     vertex_count: usize,
-    /// The box of each triangle.
     pub(crate) bounds: Vec<Bounds>,
     broad_phase: B,
     /// Pairs `[a, b]` of triangle numbers, a < b, whose boxes overlap: in rising order, each once, neighbours in the
@@ -67,7 +65,6 @@ impl TrianglePairs {
 }
 
 impl<B: BroadPhase> TrianglePairs<B> {
-    /// With this `broad_phase`.
     pub(crate) fn with(mesh: &TriMesh, broad_phase: B) -> Self {
         let corners = |&t: &[u32; 3]| Bounds::around(gather(mesh.positions(), t));
         let mut pairs = Self {
@@ -83,7 +80,12 @@ impl<B: BroadPhase> TrianglePairs<B> {
         pairs
     }
 
-    /// Finds the pairs of the boxes as they are.
+    /// The vertices of the pairs that were found last.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = [[u32; 3]; 2]> + '_ {
+        let pairs = self.pairs.iter();
+        pairs.map(|pair| pair.map(|t| self.triangles[t as usize]))
+    }
+
     pub(crate) fn search(&mut self) {
         self.broad_phase.overlapping(&self.bounds, &mut self.pairs);
         // What comes next reads the triangles of each pair; in this order most are still in the cache.

@@ -57,7 +57,6 @@ impl Ledger {
         }
     }
 
-    /// A step begins.
     pub(super) fn begin(&mut self) {
         self.impulses.normal.fill(Vec3::zeros());
         self.impulses.friction.fill(Vec3::zeros());
@@ -161,7 +160,6 @@ impl BodyForce {
         self.force - self.friction
     }
 
-    /// Adds pressure and friction.
     fn add(&mut self, [normal, friction]: [Vec3; 2], arm: Vec3) {
         let force = normal + friction;
         self.force += force;

@@ -188,7 +188,6 @@ pub(super) struct Patches {
     searched: Motions,
     boxes: Vec<Bounds>,
     broad_phase: Box<dyn BroadPhase>,
-    found: Vec<[u32; 2]>,
     pairs: Vec<PatchPair>,
     /// The two patches of each of them, and the sum of their clocks (m; how far they have moved, see above), for paths
     /// their travel, until which nothing can happen between them.
@@ -197,7 +196,6 @@ pub(super) struct Patches {
     before: Vec<PatchPair>,
     /// Lists to be used again.
     spare: Vec<PatchPair>,
-    /// Pairs of patches that the motion at hand asks for.
     looks: Vec<Look>,
     is_known: bool,
     /// Number of the substep.
@@ -443,17 +441,17 @@ impl Patches {
         for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
             *bounds = around(vertices, x).inflated(reach);
         }
-        self.broad_phase.overlapping(&self.boxes, &mut self.found);
+        self.broad_phase.overlapping(&self.boxes, &mut self.ids);
         let own = (0..self.members.len() as u32).map(|p| [p, p]);
-        self.found.extend(own);
+        self.ids.extend(own);
         let members = &self.members;
         let meet = |pair: &[u32; 2]| near.patches_meet(pair.map(|p| members[p as usize].1[0]));
-        self.found.retain(meet);
-        self.found.sort_unstable();
+        self.ids.retain(meet);
+        self.ids.sort_unstable();
         self.searched.copy(&self.now);
         std::mem::swap(&mut self.pairs, &mut self.before);
         let mut known = self.before.drain(..).peekable();
-        for &patches in &self.found {
+        for &patches in &self.ids {
             while let Some(old) = known.next_if(|old| old.patches < patches) {
                 self.spare.push(old);
             }
@@ -466,11 +464,10 @@ impl Patches {
             let spare = self.spare.pop().unwrap_or_default();
             self.pairs.push(spare.of(patches));
         }
-        self.ids.clone_from(&self.found);
         self.quiet.clear();
-        self.quiet.resize(self.found.len(), Real::NEG_INFINITY);
+        self.quiet.resize(self.ids.len(), Real::NEG_INFINITY);
         self.awake_in.clear();
-        self.awake_in.resize(self.found.len(), 0);
+        self.awake_in.resize(self.ids.len(), 0);
         self.spare.extend(known);
         self.is_known = true;
     }

@@ -332,7 +332,7 @@ fn an_obstacle_moves_as_a_rigid_body() {
         // The velocity of a point of the body is the derivative of its place.
         let h = 1e-5;
         let slope = (world(time + h) - world(time - h)) / (2.0 * h);
-        assert!((slope - obstacle.velocity_at(world(time), time)).norm() < 1e-8);
+        assert!((slope - obstacle.motion().velocity_at(world(time), time)).norm() < 1e-8);
         // To let time pass is to ask later.
         let mut later = obstacle.clone();
         later.advance(time).unwrap();

@@ -1,7 +1,7 @@
 //! Pairs for paths that a minimisation may take, with room around them.
 
 use super::detect::Look;
-use super::measure::Allowed;
+use super::measure::{Allowed, TURN};
 use super::{NearPair, Patches, REACH};
 use crate::potential::near::Near;
 use cloth_core::math::{Real, Vec3};
@@ -42,7 +42,7 @@ impl Patches {
         self.allowed.clear();
         for k in 0..self.pairs.len() {
             let (patches, left) = (self.ids[k], self.quiet[k] - self.travels[k]);
-            let straight = Allowed::nearly_straight(left, range);
+            let straight = Allowed::all(Some(TURN), left, range);
             if straight.holds(self.roughly(patches), room) {
                 self.allowed.push(straight);
                 continue;
