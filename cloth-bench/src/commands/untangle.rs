@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 const NUMBERS: &str = "\
 Of the numbers that come out:
   pairs_before, pairs_after  pairs of triangles that have a point in common they should not have
-  pairs                      the same after every iteration; a stalled attempt is followed by one from the start
+  pairs                      the same after every iteration
   contour_before, _after     length of the curves in which the cloth passes through itself (m)
   farthest                   the most that a vertex was moved (m)
   min_distance               between parts that share no vertex (m); neighbours in the mesh count too";

@@ -1,7 +1,6 @@
 //! Untangling in the course of a simulation.
 
-use super::{SMOOTHINGS, Untangler, WORTHWHILE, World};
-use crate::error::CollideError;
+use super::{Untangler, World};
 use crate::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactSource};
 use cloth_core::math::{Real, Vec3};
@@ -273,25 +272,5 @@ impl StepUntangler {
             pairs.sort_unstable();
             pairs.dedup();
         }
-    }
-}
-
-impl Untangler {
-    /// One iteration from positions (m) whose contour has just been found: shortens it with as much averaging as helps,
-    /// or pushes what is cut off.
-    fn iterate(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<(), CollideError> {
-        let before = self.contour.length();
-        for rounds in SMOOTHINGS {
-            let taken = self.descend(positions, world, rounds, self.longest_step)?;
-            if taken.is_some() && self.contour.length() < WORTHWHILE * before {
-                return Ok(());
-            }
-            self.contour.find(positions, world)?;
-            if taken.is_some() {
-                break;
-            }
-        }
-        self.push(positions, world)?;
-        Ok(())
     }
 }
