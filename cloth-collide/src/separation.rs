@@ -104,9 +104,8 @@ impl SeparationProbe {
     }
 
     fn counts(&self, corners: [[u32; 3]; 2]) -> bool {
-        let [[a, b, c], [d, e, f]] = corners;
-        let all = [a, b, c, d, e, f];
-        !self.excluded.has(&all) && !self.sewn.join(&all)
+        let all = corners.as_flattened();
+        !self.excluded.has(all) && !self.sewn.join(all)
     }
 
     /// Measures the cloth at `positions` (m), one per vertex. The result depends on mesh and positions only.
@@ -141,11 +140,11 @@ impl SeparationProbe {
         for &pair in &self.pairs.pairs {
             self.lower_to_pair(pair, positions, &nearest);
         }
-        self.pairs.visit_within(&nearest, |pair| {
-            let [a, b] = pair.map(|t| &self.pairs.bounds[t as usize]);
+        self.pairs.broad_phase.visit_near(&nearest, |a, b| {
+            let boxes = [a, b].map(|t| &self.pairs.bounds[t as usize]);
             // Overlapping boxes were in the list.
-            if a.squared_gap(b) > 0.0 {
-                self.lower_to_pair(pair, positions, &nearest);
+            if boxes[0].squared_gap(boxes[1]) > 0.0 {
+                self.lower_to_pair([a, b], positions, &nearest);
             }
         });
         Some(nearest.get().sqrt()).filter(|distance| distance.is_finite())

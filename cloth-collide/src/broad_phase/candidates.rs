@@ -2,26 +2,24 @@
 
 use super::BroadPhase;
 use super::order::PairSorter;
-use super::separating_plane::SeparatingPlane;
 use super::triangle_pairs::TrianglePairs;
 use crate::bounds::Bounds;
-use crate::ccd::QueryKind;
+use crate::ccd::{Query, QueryKind};
 use crate::error::CollideError;
 use crate::incidence::Incidence;
-use crate::pair::{Pair, nearest};
+use crate::pair::{Gap, Pair};
 use cloth_core::error::not_negative;
-use cloth_core::math::{Real, Vec3, gather, is_finite};
+use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::mesh::TriMesh;
 
 /// The pairs (vertex, triangle) and (edge, edge) of a cloth that can come within a margin of each other while it moves;
 /// of several cloths, if they are one mesh.
 ///
 /// A pair is a candidate if the boxes of its two parts overlap, each box around all positions of its vertices before
-/// and after the motion, moved outwards by half of the margin and by one rounding, and if no plane is found between the
-/// boxes of the vertices of one part and those of the other. Three planes are tried: along each of the two triangles
-/// that the parts belong to, and across the line between their nearest points halfway. Boxes alone would be far too
-/// many: those of a tilted layer overlap with the layers above and below wherever it is, and those of neighbours in a
-/// flat sheet overlap all the time.
+/// and after the motion, moved outwards by half of the margin and by one rounding, and if they are not farther apart
+/// than the margin, at both ends of the motion, along the line between their nearest points halfway. Boxes alone would
+/// be far too many: those of a tilted layer overlap with the layers above and below wherever it is, and those of
+/// neighbours in a flat sheet overlap all the time.
 ///
 /// So no pair is lost that comes as near as the margin while its vertices move on straight paths. Left out are
 /// pairs with a common vertex.
@@ -52,11 +50,6 @@ pub struct ClothCandidates<B> {
     incidence: Incidence,
     vertex_boxes: Vec<Bounds>,
     triangle_pairs: TrianglePairs<B>,
-    /// The middle (m) of each vertex's box.
-    middles: Vec<Vec3>,
-    /// Across each triangle, halfway (m²).
-    normals: Vec<Vec3>,
-    separating_plane: SeparatingPlane,
     /// Of each kind, in the order of [`QueryKind`].
     found: [Vec<[u32; 2]>; 2],
     sorter: PairSorter,
@@ -73,9 +66,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
             incidence,
             vertex_boxes: vec![nothing; mesh.vertex_count()],
             triangle_pairs: TrianglePairs::with(mesh, broad_phase),
-            middles: vec![Vec3::zeros(); mesh.vertex_count()],
-            normals: vec![Vec3::zeros(); mesh.triangle_count()],
-            separating_plane: SeparatingPlane::default(),
             found: [Vec::new(), Vec::new()],
             sorter: PairSorter::default(),
         }
@@ -108,31 +98,21 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (bounds, triangle) in boxes.zip(&self.incidence.triangles) {
             *bounds = around(&triangle.map(|v| &self.vertex_boxes[v as usize]));
         }
-        self.separating_plane = SeparatingPlane::among(&self.vertex_boxes);
-        for (middle, bounds) in self.middles.iter_mut().zip(&self.vertex_boxes) {
-            *middle = (bounds.lower + bounds.upper) * 0.5;
-        }
-        for (normal, &triangle) in self.normals.iter_mut().zip(&self.incidence.triangles) {
-            let [a, b, c] = gather(&self.middles, triangle);
-            *normal = (b - a).cross(&(c - a));
-        }
         self.triangle_pairs.search();
-        self.collect();
+        self.collect([from, to], margin);
         Ok(())
     }
 
-    fn collect(&mut self) {
-        let mut pairs = std::mem::take(&mut self.triangle_pairs.pairs);
-        pairs.retain(|pair| !self.are_parted(pair.map(|t| t as usize)));
+    fn collect(&mut self, path: [&[Vec3]; 2], margin: Real) {
         let mut found = std::mem::take(&mut self.found);
         found.iter_mut().for_each(Vec::clear);
-        for &pair in &pairs {
+        for &pair in &self.triangle_pairs.pairs {
             let reaches = |ends: [u32; 2], t: u32| {
                 around(&ends.map(|v| &self.vertex_boxes[v as usize]))
                     .overlaps(&self.triangle_pairs.bounds[t as usize])
             };
             self.incidence.visit(pair, reaches, |pair, [a, b]| {
-                if self.can_touch(pair) {
+                if self.can_touch(pair, path, margin) {
                     found[pair.kind as usize].push(match pair.kind {
                         QueryKind::VertexTriangle => [a, b],
                         QueryKind::EdgeEdge => [a.min(b), a.max(b)],
@@ -140,7 +120,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
                 }
             });
         }
-        self.triangle_pairs.pairs = pairs;
         self.found = found;
         let counts = [self.vertex_boxes.len(), self.incidence.edges.len()];
         for (found, count) in self.found.iter_mut().zip(counts) {
@@ -148,28 +127,18 @@ impl<B: BroadPhase> ClothCandidates<B> {
         }
     }
 
-    /// Whether a plane along one of two triangles has them apart, and so all of their parts.
-    fn are_parted(&self, [a, b]: [usize; 2]) -> bool {
-        let corners =
-            [a, b].map(|t| self.incidence.triangles[t].map(|v| &self.vertex_boxes[v as usize]));
-        let along = |t: usize| {
-            self.separating_plane
-                .is_plane(&self.normals[t], &corners[0], &corners[1])
-        };
-        along(a) || along(b)
-    }
-
     /// Whether two primitives have overlapping boxes, and are not parted by the plane across the line between their
     /// nearest points halfway.
     #[inline]
-    fn can_touch(&self, Pair { kind, vertices }: Pair) -> bool {
-        let boxes = vertices.map(|v| &self.vertex_boxes[v as usize]);
-        let (first, second) = boxes.split_at(kind.split());
+    fn can_touch(&self, pair: Pair, [from, to]: [&[Vec3]; 2], margin: Real) -> bool {
+        let boxes = pair.vertices.map(|v| &self.vertex_boxes[v as usize]);
+        let (first, second) = boxes.split_at(pair.kind.split());
         if !around(first).overlaps(&around(second)) {
             return false;
         }
-        let (_, line) = nearest(kind, &gather(&self.middles, vertices));
-        !self.separating_plane.is_plane(&line, first, second)
+        let path = Query::of(pair, from, to);
+        let halfway = Gap::new(pair.kind, &path.at(0.5));
+        !path.is_apart_along(&halfway.normal, margin)
     }
 
     /// Pairs `[vertex, triangle]` in rising order.

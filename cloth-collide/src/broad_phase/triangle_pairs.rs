@@ -4,9 +4,8 @@ use super::order::PairSorter;
 use super::{BroadPhase, Hierarchy};
 use crate::bounds::Bounds;
 use crate::error::CollideError;
-use cloth_core::math::{Real, Vec3, gather, is_finite};
+use cloth_core::math::{Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
-use std::cell::Cell;
 
 /// Finds the pairs of triangles of one cloth whose boxes overlap, from a tree that is made once, from the rest
 /// positions; or by another broad phase.
@@ -21,7 +20,7 @@ pub(crate) struct TrianglePairs<B = Hierarchy> {
     pub(crate) triangles: Vec<[u32; 3]>,
     vertex_count: usize,
     pub(crate) bounds: Vec<Bounds>,
-    broad_phase: B,
+    pub(crate) broad_phase: B,
     /// Pairs `[a, b]` of triangle numbers, a < b, whose boxes overlap: in rising order, each once, neighbours in the
     /// mesh included.
     pub(crate) pairs: Vec<[u32; 2]>,
@@ -34,13 +33,7 @@ impl TrianglePairs {
         Self::with(mesh, Hierarchy::default())
     }
 
-    /// Finds the pairs at `positions` (m), one per vertex.
-    ///
-    /// # Errors
-    /// [`CollideError::NonFinitePosition`] if a coordinate is NaN or infinite. What was found then stays.
-    ///
-    /// # Panics
-    /// If there are not as many positions as the mesh has vertices.
+    /// Finds the pairs at `positions` (m), one per vertex; what was found stays where one is not finite.
     pub(crate) fn find(&mut self, positions: &[Vec3]) -> Result<(), CollideError> {
         assert_eq!(
             positions.len(),
@@ -55,12 +48,6 @@ impl TrianglePairs {
         }
         self.search();
         Ok(())
-    }
-
-    /// Hands `visit` every pair of triangles a < b whose boxes, at the last positions, are nearer than the distance
-    /// whose square is `limit` (m²), which `visit` may lower on the way.
-    pub(crate) fn visit_within(&self, limit: &Cell<Real>, mut visit: impl FnMut([u32; 2])) {
-        self.broad_phase.visit_near(limit, |a, b| visit([a, b]));
     }
 }
 
