@@ -20,11 +20,16 @@ impl Pair {
     }
 }
 
+/// Vertices, with their weights c_k.
+#[inline]
+pub(crate) fn ends(vertices: [u32; 4], weights: [Real; 4]) -> impl Iterator<Item = (usize, Real)> {
+    vertices.map(|v| v as usize).into_iter().zip(weights)
+}
+
 /// Σ c_k x_k (m), with positions `x` (m) of all vertices.
 #[inline]
 pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Vec3 {
-    let ends = vertices.into_iter().zip(weights);
-    ends.map(|(v, w)| x[v as usize] * w).sum()
+    ends(vertices, weights).map(|(v, c)| x[v] * c).sum()
 }
 
 /// The weights c_k of four vertices at `x` (m), and r = Σ c_k x_k (m), from the second nearest point to the first.

@@ -25,7 +25,10 @@ impl HalfSpace {
     /// [`ObstacleError::NonFinite`], [`ObstacleError::OutOfRange`] for a normal without length.
     pub fn new(normal: Vec3) -> Result<Self, ObstacleError> {
         finite("normal of the half-space", normal)?;
-        let largest = positive("largest coordinate of the normal", normal.amax())?;
+        let largest = positive(
+            "largest coordinate of the normal of the half-space",
+            normal.amax(),
+        )?;
         Ok(Self {
             // Scaled first, so that squares neither overflow nor vanish.
             normal: (normal / largest).normalize(),

@@ -193,10 +193,7 @@ impl SignedDistance for SampledDistance {
     }
 
     fn bounds(&self) -> Option<Bounds> {
-        Some(Bounds {
-            lower: self.shape_bounds.lower.add_scalar(-self.error_bound),
-            upper: self.shape_bounds.upper.add_scalar(self.error_bound),
-        })
+        Some(self.shape_bounds.inflated(self.error_bound))
     }
 }
 

@@ -15,7 +15,7 @@ use crate::bounds::mean;
 use crate::broad_phase::{BroadPhase, ClothCandidates};
 use crate::ccd::Query;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
-use crate::pair::{Gap, Pair};
+use crate::pair::{Gap, Pair, ends, weighted};
 use cloth_core::contact::{ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -60,15 +60,9 @@ impl Hit {
     fn push(&self, step: &ContactStep<'_>, x: &mut [Vec3], v: &mut [Vec3]) {
         let path = Query::of(self.pair, step.from, x);
         let near = Gap::new(path.kind, &path.at(self.time));
-        let ends = || {
-            self.pair
-                .vertices
-                .map(|v| v as usize)
-                .into_iter()
-                .zip(near.weights)
-        };
+        let ends = || ends(self.pair.vertices, near.weights);
         let ease: Real = ends().map(|(v, w)| w * w * step.inverse_mass[v]).sum();
-        let point: Vec3 = ends().map(|(v, w)| x[v] * w).sum();
+        let point = weighted(self.pair.vertices, near.weights, x);
         let missing = self.distance - near.normal.dot(&point);
         if missing <= 0.0 || ease == 0.0 {
             return;

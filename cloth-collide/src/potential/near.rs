@@ -219,18 +219,16 @@ impl Near {
         Ok(bodies)
     }
 
-    /// The body of which one of these vertices is.
-    fn body_among(&self, vertices: &[u32]) -> Option<usize> {
-        vertices.iter().find_map(|&v| self.body_of(v))
-    }
-
     /// Whether part of the cloth with these vertices passes through the body of which the others are.
     fn is_pinched(&self, vertices: &[u32]) -> bool {
         self.pinched.count() > 0
-            && self.body_among(vertices).is_some_and(|body| {
-                let mut vertices = vertices.iter();
-                vertices.any(|&v| self.pinched.passes(v as usize, body))
-            })
+            && vertices
+                .iter()
+                .find_map(|&v| self.body_of(v))
+                .is_some_and(|body| {
+                    let mut vertices = vertices.iter();
+                    vertices.any(|&v| self.pinched.passes(v as usize, body))
+                })
     }
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.

@@ -56,7 +56,7 @@
 //!   added up from look to look (`bring_up`) since the last detection. It never falls, and bounds the relative motion
 //!   since each look in between: a pair that lacks something then need not be asked before the travel has grown by that
 //!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`Known`). For the paths of a minimisation
-//!   it is the changes that are added up (`travels`), and nearest points are not kept.
+//!   it is the changes that are added up, and nearest points are not kept.
 //! - *Clock* of a patch (`Motions::clocks`): the displacement of its centre besides that of the mean of all of the
 //!   cloth, and its path, added up over the substeps. It never goes back, and two patches move relative to each other
 //!   by no more than both clocks advance together. So a look notes the sum of two clocks until which nothing can happen
@@ -181,9 +181,8 @@ pub(super) struct Patches {
     aim_displacements: Vec<Real>,
     drift: Vec<Real>,
     awake_in: Vec<u32>,
-    /// For paths: what was allowed to the two patches of each pair when pairs were chosen, and the travel of each (m).
+    /// For paths: what was allowed to the two patches of each pair when pairs were chosen.
     allowed: Vec<Allowed>,
-    travels: Vec<Real>,
     /// When pairs of patches were searched.
     searched: Motions,
     boxes: Vec<Bounds>,

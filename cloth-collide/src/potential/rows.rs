@@ -22,6 +22,7 @@ use super::rebound::Rebounds;
 use super::report::ConstraintReport;
 use super::row::{Parted, Row};
 use super::source::Contacts;
+use crate::pair::ends;
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
 
@@ -82,8 +83,7 @@ impl Rows {
         let mut sum = 0.0;
         for row in self.rows.iter().filter(|row| row.state.lambda > 0.0) {
             let push = row.normal * row.state.lambda + row.state.friction;
-            for (v, weight) in row.pair.vertices.iter().zip(row.weights) {
-                let v = *v as usize;
+            for (v, weight) in ends(row.pair.vertices, row.weights) {
                 if step.inverse_mass[v] == 0.0 {
                     sum -= push.dot(&(x[v] - step.from[v])) * weight;
                 }

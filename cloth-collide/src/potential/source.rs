@@ -26,8 +26,6 @@ const LONGEST: Real = 10.0;
 const MOST_ROUNDS: u32 = 10;
 /// Coordinates (m) from which on squares are beyond all numbers.
 const LARGEST: Real = 1e150;
-/// Size (s) of a step in which no body comes far, and no law of contact is stiff.
-const NO_TIME: Real = 1e-12;
 /// Displacement (in thicknesses) below which friction is a spring.
 const STICKING: Real = 1e-2;
 
@@ -101,22 +99,16 @@ impl Contacts {
     /// See [`ContactSource::keep_free`](cloth_core::contact::ContactSource::keep_free).
     pub(super) fn keep_free(
         &mut self,
-        from: &[Vec3],
-        inverse_mass: &[Real],
+        step: &ContactStep<'_>,
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
-        let step = ContactStep {
-            from,
-            inverse_mass,
-            dt: NO_TIME,
-        };
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
         let ledger = self.ledger.take();
         let kept = self
-            .begin_step(&step)
-            .and_then(|()| self.begin_substep(&step, x))
-            .and_then(|()| self.end_substep(&step, x));
+            .begin_step(step)
+            .and_then(|()| self.begin_substep(step, x))
+            .and_then(|()| self.end_substep(step, x));
         self.ledger = ledger;
         kept?;
         let moved = std::mem::take(&mut self.rows.report.shortened) as usize;

@@ -17,6 +17,9 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// Size (s) of a step in which no body comes far, and no law of contact is stiff.
+const NO_TIME: Real = 1e-12;
+
 /// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the
 /// [chapter](super).
 ///
@@ -383,17 +386,16 @@ impl ContactSource for PotentialContacts {
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
-        // Of a step of no time, in which bodies stay.
         let step = ContactStep {
             from,
             inverse_mass,
-            dt: 1.0,
+            dt: NO_TIME,
         };
         step.check(surfaces.cloth, x, x)?;
         surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);
-        self.contacts.keep_free(all.from, all.inverse_mass, to)?;
+        self.contacts.keep_free(&all, to)?;
         self.surfaces.take(x);
         Ok(())
     }

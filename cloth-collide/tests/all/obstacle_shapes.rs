@@ -294,7 +294,10 @@ fn numbers_out_of_range_are_refused_by_name() {
             "normal",
         );
     }
-    says(HalfSpace::new(Vec3::zeros()).unwrap_err(), "no length");
+    says(
+        HalfSpace::new(Vec3::zeros()).unwrap_err(),
+        "normal of the half-space is 0",
+    );
     says(ImpactLaw::new(0.0, 1.1).unwrap_err(), "between 0 and 1");
     let floor = HalfSpace::new(Vec3::z()).unwrap();
     says(

@@ -58,11 +58,7 @@ impl ClosedMesh {
         range: Real,
         visit: &mut dyn FnMut(Distance, Real),
     ) {
-        let reach = Vec3::repeat(range);
-        let around = aabb(&Bounds {
-            lower: point - reach,
-            upper: point + reach,
-        });
+        let around = aabb(&Bounds::around([point]).inflated(range));
         for t in self.tree.intersect_aabb(&around) {
             let corners = self.triangles[t as usize];
             let x = gather(&self.positions, corners);

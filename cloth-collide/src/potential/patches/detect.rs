@@ -156,7 +156,7 @@ impl Patches {
         reach: Real,
         out: &mut Vec<NearPair>,
     ) {
-        let big = boxes[0].loosened(reach);
+        let big = boxes[0].inflated(reach);
         let at = |v: u32| x[v as usize];
         let bounds = |t: u32| Bounds::around(near.incidence.triangles[t as usize].map(at));
         let mut others: [(u32, Bounds); PATCH] = [(0, big); PATCH];
@@ -176,7 +176,7 @@ impl Patches {
         }
         for &t in &self.members[p].0 {
             let own = bounds(t);
-            if !own.loosened(reach).overlaps(&boxes[1]) {
+            if !own.inflated(reach).overlaps(&boxes[1]) {
                 continue;
             }
             let mut near_boxes = wide(|| nearer(&own, &sides, reach * reach));
