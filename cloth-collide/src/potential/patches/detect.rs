@@ -156,16 +156,16 @@ impl Patches {
         reach: Real,
         out: &mut Vec<NearPair>,
     ) {
-        let big = boxes[0].inflated(reach);
+        let is_near = |a: &Bounds, b: &Bounds| a.squared_gap(b) <= reach * reach;
         let at = |v: u32| x[v as usize];
         let bounds = |t: u32| Bounds::around(near.incidence.triangles[t as usize].map(at));
-        let mut others: [(u32, Bounds); PATCH] = [(0, big); PATCH];
+        let mut others: [(u32, Bounds); PATCH] = [(0, boxes[0]); PATCH];
         // The same bounds, coordinate by coordinate: none overlaps what is nowhere.
         let mut sides = [[Real::INFINITY; PATCH]; 6];
         let mut count = 0;
         for &u in &self.members[q].0 {
             let bounds = bounds(u);
-            if bounds.overlaps(&big) {
+            if is_near(&bounds, &boxes[0]) {
                 others[count] = (u, bounds);
                 for axis in 0..3 {
                     sides[axis][count] = bounds.lower[axis];
@@ -176,7 +176,7 @@ impl Patches {
         }
         for &t in &self.members[p].0 {
             let own = bounds(t);
-            if !own.inflated(reach).overlaps(&boxes[1]) {
+            if !is_near(&own, &boxes[1]) {
                 continue;
             }
             let mut near_boxes = wide(|| nearer(&own, &sides, reach * reach));
@@ -186,8 +186,7 @@ impl Patches {
                 if p == q && *u <= t {
                     continue;
                 }
-                let reaches =
-                    |ends, _| Bounds::around(gather(x, ends)).squared_gap(other) <= reach * reach;
+                let reaches = |ends, _| is_near(&Bounds::around(gather(x, ends)), other);
                 near.incidence.visit([t, *u], reaches, |pair, numbers| {
                     out.extend(near_pair(near, x, pair, numbers, reach));
                 });
