@@ -100,6 +100,7 @@ fn filled(v: Vec3) -> Option<Vec3> {
     (largest > 0.0).then(|| v / largest)
 }
 
+/// Both times the same power of two, so that the largest coordinate is of order one; nothing if both are zero.
 fn both_filled<S: Number>(a: Triple<S>, b: Triple<S>) -> Option<[Triple<S>; 2]> {
     let largest = value(&a).amax().max(value(&b).amax());
     (largest > 0.0).then(|| [a, b].map(|x| times_power(&x, power_for(largest))))

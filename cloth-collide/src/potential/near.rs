@@ -221,14 +221,13 @@ impl Near {
 
     /// Whether part of the cloth with these vertices passes through the body of which the others are.
     fn is_pinched(&self, vertices: &[u32]) -> bool {
-        self.pinched.count() > 0
-            && vertices
+        let mut bodies = vertices.iter().filter_map(|&v| self.body_of(v));
+        let passes = |body| {
+            vertices
                 .iter()
-                .find_map(|&v| self.body_of(v))
-                .is_some_and(|body| {
-                    let mut vertices = vertices.iter();
-                    vertices.any(|&v| self.pinched.passes(v as usize, body))
-                })
+                .any(|&v| self.pinched.passes(v as usize, body))
+        };
+        self.pinched.count() > 0 && bodies.next().is_some_and(passes)
     }
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.

@@ -195,6 +195,7 @@ pub(super) struct Patches {
     before: Vec<PatchPair>,
     /// Lists to be used again.
     spare: Vec<PatchPair>,
+    /// Pairs of patches that the motion at hand asks for.
     looks: Vec<Look>,
     is_known: bool,
     /// Number of the substep.
