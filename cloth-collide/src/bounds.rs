@@ -35,15 +35,6 @@ impl Bounds {
         self.lower.amax().max(self.upper.amax())
     }
 
-    /// The box moved outwards by `margin` (m) on each side.
-    pub(crate) fn loosened(&self, margin: Real) -> Self {
-        let margin = Vec3::repeat(margin);
-        Self {
-            lower: self.lower - margin,
-            upper: self.upper + margin,
-        }
-    }
-
     /// Squared distance (m²) of two boxes: no points in them are closer.
     pub(crate) fn squared_gap(&self, other: &Self) -> Real {
         (self.lower - other.upper)

@@ -35,7 +35,6 @@ mod cells;
 mod hierarchy;
 mod morton_grid;
 mod order;
-mod separating_plane;
 mod spatial_hash;
 mod triangle_pairs;
 

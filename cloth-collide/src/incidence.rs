@@ -18,17 +18,6 @@ pub(crate) struct Incidence {
     owned: Vec<[[bool; 3]; 2]>,
 }
 
-/// What [`Incidence::visit`] asks about.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Primitives {
-    /// A vertex and a triangle.
-    VertexTriangle(u32, u32),
-    /// Two edges.
-    EdgeEdge(u32, u32),
-    /// An edge and all those of a triangle: whether they are worth a look.
-    EdgeTriangle(u32, u32),
-}
-
 impl Incidence {
     pub(crate) fn new(mesh: &TriMesh) -> Self {
         let triangles = mesh.triangles().to_vec();
@@ -71,16 +60,21 @@ impl Incidence {
         }
     }
 
-    /// Hands `visit` the pairs of primitives without a common vertex that two triangles represent. What it returns
-    /// counts for [`Primitives::EdgeTriangle`] alone, which comes before the edges.
+    /// Hands `visit` the pairs of primitives without a common vertex that two triangles represent, and their numbers.
+    /// Edges of the first triangle, given by their ends, are left out that do not reach the other one.
     #[inline]
-    pub(crate) fn visit(&self, [a, b]: [u32; 2], mut visit: impl FnMut(Primitives) -> bool) {
+    pub(crate) fn visit(
+        &self,
+        [a, b]: [u32; 2],
+        reaches: impl Fn([u32; 2], u32) -> bool,
+        mut visit: impl FnMut(Pair, [u32; 2]),
+    ) {
         for (one, other) in [(a, b), (b, a)] {
             let corners = &self.triangles[other as usize];
             let vertices = self.triangles[one as usize].iter();
             for (vertex, is_own) in vertices.zip(self.owned[one as usize][0]) {
                 if is_own && !corners.contains(vertex) {
-                    visit(Primitives::VertexTriangle(*vertex, other));
+                    visit(self.vertex_triangle(*vertex, other), [*vertex, other]);
                 }
             }
         }
@@ -90,11 +84,11 @@ impl Incidence {
             edges.filter_map(|(edge, is_own)| is_own.then_some(*edge))
         };
         for e in own(a) {
-            if visit(Primitives::EdgeTriangle(e, b)) {
-                let ends = &self.edges[e as usize];
+            let ends = self.edges[e as usize];
+            if reaches(ends, b) {
                 for f in own(b) {
                     if !self.edges[f as usize].iter().any(|v| ends.contains(v)) {
-                        visit(Primitives::EdgeEdge(e, f));
+                        visit(self.edge_edge(e, f), [e, f]);
                     }
                 }
             }

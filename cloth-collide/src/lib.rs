@@ -207,7 +207,7 @@
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back`, `during` |
 //! | `broad_phase.rs`, `broad_phase/hierarchy.rs` | what a broad phase is; the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | a grid of cells, and two ways to sort boxes into it |
-//! | `broad_phase/candidates.rs`, `separating_plane.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |
+//! | `broad_phase/candidates.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |
 //! | `broad_phase/triangle_pairs.rs`, `separation.rs` | pairs of triangles with overlapping boxes; the measurement |
 //! | `incidence.rs` | which triangle represents which vertex and edge |
 //! | `error.rs` | what can be wrong with positions and settings |

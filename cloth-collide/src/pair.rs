@@ -20,11 +20,33 @@ impl Pair {
     }
 }
 
+/// Vertices, with their weights c_k.
+#[inline]
+pub(crate) fn ends(vertices: [u32; 4], weights: [Real; 4]) -> impl Iterator<Item = (usize, Real)> {
+    vertices.map(|v| v as usize).into_iter().zip(weights)
+}
+
 /// Σ c_k x_k (m), with positions `x` (m) of all vertices.
 #[inline]
 pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Vec3 {
-    let ends = vertices.into_iter().zip(weights);
-    ends.map(|(v, w)| x[v as usize] * w).sum()
+    ends(vertices, weights).map(|(v, c)| x[v] * c).sum()
+}
+
+/// The weights c_k of four vertices at `x` (m), and r = Σ c_k x_k (m), from the second nearest point to the first.
+#[inline]
+pub(crate) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> ([Real; 4], Vec3) {
+    match kind {
+        QueryKind::VertexTriangle => {
+            let found = point_triangle(x[0], [x[1], x[2], x[3]]);
+            let [a, b, c] = found.weights;
+            ([1.0, -a, -b, -c], found.separation)
+        }
+        QueryKind::EdgeEdge => {
+            let found = edge_edge([x[0], x[1]], [x[2], x[3]]);
+            let [s, t] = found.along;
+            ([1.0 - s, s, t - 1.0, -t], found.separation)
+        }
+    }
 }
 
 /// Between the nearest points of two primitives.
@@ -50,18 +72,7 @@ impl Gap {
     /// Of a vertex and a triangle, or of two edges, at positions `x` (m) in this order.
     #[must_use]
     pub fn new(kind: QueryKind, x: &[Vec3; 4]) -> Self {
-        let (weights, separation) = match kind {
-            QueryKind::VertexTriangle => {
-                let found = point_triangle(x[0], [x[1], x[2], x[3]]);
-                let [a, b, c] = found.weights;
-                ([1.0, -a, -b, -c], found.separation)
-            }
-            QueryKind::EdgeEdge => {
-                let found = edge_edge([x[0], x[1]], [x[2], x[3]]);
-                let [s, t] = found.along;
-                ([1.0 - s, s, t - 1.0, -t], found.separation)
-            }
-        };
+        let (weights, separation) = nearest(kind, x);
         let distance = separation.norm();
         let normal = if distance > 0.0 {
             separation / distance

@@ -8,10 +8,10 @@ pub use surface::distance_from_surface;
 
 use crate::bounds::Bounds;
 use crate::broad_phase::TrianglePairs;
-use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
-use crate::incidence::{Incidence, Primitives};
+use crate::incidence::Incidence;
 use crate::intersect::{segment_meets_triangle, triangles_meet};
+use crate::pair::{Pair, nearest as nearest_points};
 use crate::potential::let_go::LetGo;
 use crate::potential::sewn::Sewn;
 use cloth_core::math::{Real, Vec3, gather};
@@ -71,7 +71,6 @@ pub struct Separation {
 pub struct SeparationProbe {
     pairs: TrianglePairs,
     incidence: Incidence,
-    /// Pairs that do not count.
     excluded: LetGo,
     sewn: Sewn,
 }
@@ -105,9 +104,8 @@ impl SeparationProbe {
     }
 
     fn counts(&self, corners: [[u32; 3]; 2]) -> bool {
-        let [[a, b, c], [d, e, f]] = corners;
-        let all = [a, b, c, d, e, f];
-        !self.excluded.has(&all) && !self.sewn.join(&all)
+        let all = corners.as_flattened();
+        !self.excluded.has(all) && !self.sewn.join(all)
     }
 
     /// Measures the cloth at `positions` (m), one per vertex. The result depends on mesh and positions only.
@@ -132,12 +130,8 @@ impl SeparationProbe {
     }
 
     fn count_intersecting(&self, positions: &[Vec3]) -> usize {
-        let triangles = &self.pairs.triangles;
-        let meets = |pair: &&[u32; 2]| {
-            let corners = pair.map(|t| triangles[t as usize]);
-            self.counts(corners) && meet_unduly(corners, positions)
-        };
-        self.pairs.pairs.iter().filter(meets).count()
+        let counted = self.pairs.corners().filter(|pair| self.counts(*pair));
+        counted.filter(|pair| meet_unduly(*pair, positions)).count()
     }
 
     /// The smallest distance (m), given that the pairs of overlapping boxes have just been listed.
@@ -146,11 +140,11 @@ impl SeparationProbe {
         for &pair in &self.pairs.pairs {
             self.lower_to_pair(pair, positions, &nearest);
         }
-        self.pairs.visit_within(&nearest, |pair| {
-            let [a, b] = pair.map(|t| &self.pairs.bounds[t as usize]);
+        self.pairs.broad_phase.visit_near(&nearest, |a, b| {
+            let boxes = [a, b].map(|t| &self.pairs.bounds[t as usize]);
             // Overlapping boxes were in the list.
-            if a.squared_gap(b) > 0.0 {
-                self.lower_to_pair(pair, positions, &nearest);
+            if boxes[0].squared_gap(boxes[1]) > 0.0 {
+                self.lower_to_pair([a, b], positions, &nearest);
             }
         });
         Some(nearest.get().sqrt()).filter(|distance| distance.is_finite())
@@ -164,28 +158,16 @@ impl SeparationProbe {
         if is_far(bounds(pair[0]), bounds(pair[1])) || !self.counts(pair.map(corners)) {
             return;
         }
-        let edge = |e: u32| gather(positions, self.incidence.edges[e as usize]);
-        self.incidence.visit(pair, |primitives| {
-            let found = match primitives {
-                Primitives::EdgeTriangle(e, t) => {
-                    return !is_far(&Bounds::around(edge(e)), bounds(t));
+        let reaches = |ends, t| !is_far(&Bounds::around(gather(positions, ends)), bounds(t));
+        self.incidence
+            .visit(pair, reaches, |Pair { kind, vertices }, _| {
+                let x = gather(positions, vertices);
+                let (one, other) = x.split_at(kind.split());
+                if !is_far(&Bounds::of(one), &Bounds::of(other)) {
+                    let found = nearest_points(kind, &x).1.norm_squared();
+                    nearest.set(nearest.get().min(found));
                 }
-                Primitives::VertexTriangle(v, t) => {
-                    let point = positions[v as usize];
-                    let is_far = is_far(&Bounds::around([point]), bounds(t));
-                    let triangle = gather(positions, corners(t));
-                    (!is_far).then(|| point_triangle(point, triangle).separation)
-                }
-                Primitives::EdgeEdge(e, f) => {
-                    let [first, second] = [e, f].map(edge);
-                    let is_far = is_far(&Bounds::around(first), &Bounds::around(second));
-                    (!is_far).then(|| edge_edge(first, second).separation)
-                }
-            };
-            let found = found.map_or(Real::INFINITY, |found| found.norm_squared());
-            nearest.set(nearest.get().min(found));
-            true
-        });
+            });
     }
 }
 

@@ -20,7 +20,7 @@
 //! An iteration moves each vertex against the gradient, times its inverse mass, by at most a quarter of an edge, and by
 //! less where the contour would become longer. The gradient lives on the triangles that meet, and going down it alone
 //! would crease the cloth there. So displacements are averaged over the edges first, many times, which moves a fold as
-//! a whole. What stalls like that is tried again from the start with less of it, and at last without.
+//! a whole. Where that gains too little it is tried with less of it, and at last without.
 //!
 //! Positions alone are moved; there is no elastic energy in this. An untangled cloth has mostly gone farther than it
 //! had to: [`bring_back`] takes it back towards where it was as far as contact with a thickness lets it.
@@ -59,11 +59,11 @@
 //!
 //! | garment | vertices | pairs | iterations | has to go | goes |
 //! |---|---|---|---|---|---|
-//! | layers, the middle of one pushed through the other | 1250 | 212 | 1 | 11 mm, halved between the two | 6.6 mm |
+//! | layers, the middle of one pushed through the other | 1250 | 212 | 1 | 11 mm, halved between the two | 6.5 mm |
 //! | the same, deeper | 1250 | 214 | 3 | 31 mm, halved | 25 mm |
 //! | sleeve through the wall of a torso | 2511 | 108 | 13 | 31 mm, shared | 23 mm |
-//! | lining turned out of its sleeve | 1851 | 208 | 12 | 9.7 mm, shared | 5.3 mm |
-//! | pocket on a sheet, borders on it vertex on vertex | 1130 | 508 | 6 | 7 mm, shared | 3.6 mm |
+//! | lining turned out of its sleeve | 1851 | 208 | 12 | 9.7 mm, shared | 5.4 mm |
+//! | pocket on a sheet, borders on it vertex on vertex | 1130 | 508 | 6 | 7 mm, shared | 3.5 mm |
 //! | panel rolled up, its borders on each other | 297 | 64 | 1 | 1 mm, halved | 0.5 mm |
 //!
 //! Before displacements were averaged, the pocket stalled with 11 pairs in creases that the iterations had made, and
@@ -95,7 +95,7 @@ mod during;
 mod pieces;
 mod smooth;
 
-pub use back::{ReturnError, bring_back};
+pub use back::bring_back;
 pub use during::{CrossingPairs, StepUntangler};
 
 use crate::error::CollideError;
@@ -186,8 +186,11 @@ impl World<'_> {
     /// Whether two triangles should not meet.
     fn counts(&self, corners: [[u32; 3]; 2]) -> bool {
         let is_free = |&v: &u32| self.inverse_mass[v as usize] > 0.0;
-        self.contacts
-            .is_none_or(|contacts| contacts.part(corners, corners.iter().flatten().any(is_free)))
+        self.contacts.is_none_or(|contacts| {
+            contacts
+                .near()
+                .parts(corners, corners.iter().flatten().any(is_free))
+        })
     }
 
     /// Whether a vertex is inside of a body that has an inside.
@@ -199,7 +202,7 @@ impl World<'_> {
 
 /// Gradients g (dimensionless) become g/√(g² + this²): about 1 long well above this, ten times as long well below.
 const SOFT: Real = 0.1;
-/// Rounds of averaging, of one attempt after the other.
+/// Rounds of averaging, of one descent after the other.
 const SMOOTHINGS: [u32; 3] = [8, 2, 0];
 /// The same of what is pushed in a simulation, where elasticity pulls back what is moved alone.
 const PUSH_SMOOTHINGS: u32 = 40;
@@ -256,16 +259,16 @@ impl Untangler {
         Ok(self.contour.length())
     }
 
-    /// The pairs of triangles that met when positions were last looked at: those that an attempt has left.
+    /// The pairs of triangles that met when positions were last looked at: those that an attempt to untangle has left.
     #[must_use]
     pub fn pairs(&self) -> &[[u32; 2]] {
         &self.contour.meeting
     }
 
     /// Moves `positions` (m) until no two triangles meet, for at most `most_iterations`, and tells `after` about the
-    /// start of each attempt and about every iteration. Vertices with an `inverse_mass` (1/kg) of 0 stay; of the
-    /// others, heavy ones move less. Where no attempt succeeds, the positions are those with the fewest pairs that one
-    /// of them has ended with. Equal inputs give equal results, to the bit.
+    /// start and about every iteration. Vertices with an `inverse_mass` (1/kg) of 0 stay; of the others, heavy ones
+    /// move less. Where that does not succeed, the positions are those with the fewest pairs. Equal inputs give equal
+    /// results, to the bit.
     ///
     /// # Errors
     /// [`CollideError::NonFinitePosition`]; the positions are as they were.
@@ -294,77 +297,55 @@ impl Untangler {
             iterations: 0,
             outcome: UntangleOutcome::Stalled,
         };
-        let start = positions.to_vec();
-        let mut x = start.clone();
-        for rounds in SMOOTHINGS {
-            x.copy_from_slice(&start);
-            let iterations = (&mut report.iterations, most_iterations);
-            report.outcome = self.attempt(&mut x, world, rounds, iterations, &mut after)?;
-            let is_better = self.contour.meeting.len() < report.pairs_after;
-            if is_better {
-                positions.copy_from_slice(&x);
-                report.pairs_after = self.contour.meeting.len();
-                report.length_after = self.contour.length();
+        let mut x = positions.to_vec();
+        // When there were fewer pairs, or a length worth while, for the last time; and that length.
+        let (mut improved, mut shortest) = (0, report.length_before);
+        loop {
+            let (pairs, length) = (self.contour.meeting.len(), self.contour.length());
+            after(UntangleProgress {
+                iterations: report.iterations,
+                pairs,
+                length,
+            });
+            if pairs < report.pairs_after || length < WORTHWHILE * shortest {
+                (improved, shortest) = (report.iterations, length.min(shortest));
             }
-            if report.outcome != UntangleOutcome::Stalled {
+            if pairs < report.pairs_after {
+                positions.copy_from_slice(&x);
+                (report.pairs_after, report.length_after) = (pairs, length);
+            }
+            report.outcome = match pairs {
+                0 => UntangleOutcome::Untangled,
+                _ if report.iterations == most_iterations => UntangleOutcome::BudgetSpent,
+                _ if report.iterations - improved >= PATIENCE => UntangleOutcome::Stalled,
+                _ => {
+                    report.iterations += 1;
+                    self.iterate(&mut x, world)?;
+                    continue;
+                }
+            };
+            self.contour.find(positions, world)?;
+            return Ok(report);
+        }
+    }
+
+    /// One iteration from positions (m) whose contour has just been found: shortens it with as much averaging as helps,
+    /// or pushes what is cut off.
+    fn iterate(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<(), CollideError> {
+        let before = self.contour.length();
+        for rounds in SMOOTHINGS {
+            let taken = self.descend(positions, world, rounds, self.longest_step)?;
+            if taken.is_some() && self.contour.length() < WORTHWHILE * before {
+                return Ok(());
+            }
+            self.contour.find(positions, world)?;
+            if taken.is_some() {
                 break;
             }
         }
-        self.contour.find(positions, world)?;
-        Ok(report)
+        self.push(positions, world)?;
+        Ok(())
     }
-
-    /// One attempt, with so many `rounds` of averaging, which goes on counting iterations.
-    fn attempt(
-        &mut self,
-        positions: &mut [Vec3],
-        world: World<'_>,
-        rounds: u32,
-        (iterations, most_iterations): (&mut u32, u32),
-        after: &mut dyn FnMut(UntangleProgress),
-    ) -> Result<UntangleOutcome, CollideError> {
-        self.contour.find(positions, world)?;
-        let mut step = self.longest_step;
-        // The fewest pairs and the shortest length so far, and when.
-        let mut best = (
-            self.contour.meeting.len(),
-            self.contour.length(),
-            *iterations,
-        );
-        loop {
-            let (pairs, before) = (self.contour.meeting.len(), self.contour.length());
-            after(UntangleProgress {
-                iterations: *iterations,
-                pairs,
-                length: before,
-            });
-            if pairs == 0 {
-                return Ok(UntangleOutcome::Untangled);
-            }
-            if *iterations == most_iterations {
-                return Ok(UntangleOutcome::BudgetSpent);
-            }
-            if pairs < best.0 || before < WORTHWHILE * best.1 {
-                best = (pairs.min(best.0), before.min(best.1), *iterations);
-            }
-            if *iterations - best.2 >= PATIENCE {
-                return Ok(UntangleOutcome::Stalled);
-            }
-            *iterations += 1;
-            let taken = self.descend(positions, world, rounds, step)?;
-            step = taken.map_or(self.longest_step, |taken| {
-                (1.5 * taken).min(self.longest_step)
-            });
-            if taken.is_some() && self.contour.length() < WORTHWHILE * before {
-                continue;
-            }
-            self.contour.find(positions, world)?;
-            if !self.push(positions, world)? && taken.is_none() {
-                return Ok(UntangleOutcome::Stalled);
-            }
-        }
-    }
-
     /// Goes down the gradient, averaged in so many `rounds`, by `step` (m) or less, so that the contour becomes shorter
     /// or goes away. How far it went, if it does.
     fn descend(
@@ -417,7 +398,7 @@ impl Untangler {
         let is_body = |v| {
             world
                 .contacts
-                .is_some_and(|contacts| contacts.body_of(v).is_some())
+                .is_some_and(|contacts| contacts.near().body_of(v).is_some())
         };
         self.pieces.push(positions, is_body, &mut self.gradient);
         self.scale(world.inverse_mass);

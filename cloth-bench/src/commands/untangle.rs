@@ -6,6 +6,7 @@ use crate::mesh_spec;
 use crate::tangle;
 use clap::Args;
 use cloth_collide::SeparationProbe;
+use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::{UntangleOutcome, UntangleProgress, Untangler, bring_back};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{obj, ply};
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 const NUMBERS: &str = "\
 Of the numbers that come out:
   pairs_before, pairs_after  pairs of triangles that have a point in common they should not have
-  pairs                      the same after every iteration; a stalled attempt is followed by one from the start
+  pairs                      the same after every iteration
   contour_before, _after     length of the curves in which the cloth passes through itself (m)
   farthest                   the most that a vertex was moved (m)
   min_distance               between parts that share no vertex (m); neighbours in the mesh count too";
@@ -100,7 +101,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let report = untangler.relax(&mut x, &inverse_mass, arguments.iterations, after)?;
     if report.pairs_before > 0 && report.pairs_after == 0 {
         eprintln!("untangled; back towards the start");
-        bring_back(&mesh, thickness, &inverse_mass, mesh.positions(), &mut x)?;
+        let contacts = PotentialContacts::builder(&mesh).thickness(thickness);
+        let mut contacts = contacts.keep_all_apart().build()?;
+        bring_back(&mut contacts, &inverse_mass, mesh.positions(), &mut x)?;
     }
     let separation = SeparationProbe::new(&mesh).measure(&x)?;
     let ways = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());

@@ -65,7 +65,9 @@ impl PointMass {
             self.position = path.position(hit.time);
             self.velocity = path.velocity_at(hit.time);
             let normal = hit.distance.normal;
-            let surface = obstacle.velocity_at(self.position, start + elapsed);
+            let surface = obstacle
+                .motion()
+                .velocity_at(self.position, start + elapsed);
             impulse += self.hit(law, normal, surface);
             // Gravity takes the mass back at once if it leaves no faster than rounding.
             let leaving = normal.dot(&(self.velocity - surface));
@@ -104,7 +106,7 @@ impl PointMass {
     ) -> Vec3 {
         let before = self.velocity;
         let normal = obstacle.signed_distance(self.position, start).normal;
-        let surface = obstacle.velocity_at(self.position, start);
+        let surface = obstacle.motion().velocity_at(self.position, start);
         self.velocity += gravity * dt;
         let impulse = self.hit(law.inelastic(), normal, surface);
         self.position += (before + self.velocity) * (0.5 * dt);

@@ -117,7 +117,7 @@ impl Timed {
     /// Asks the potential, and adds the time: of the same implementation that [`Timed::change`] lets act.
     fn ask<T>(&self, ask: impl FnOnce(&dyn ContactPotential) -> T) -> T {
         let potential: &dyn ContactPotential = match self.source.volumes().is_empty() {
-            true => self.source.contacts.as_potential(),
+            true => &self.source.contacts,
             false => &self.source,
         };
         self.clock.time(|| ask(potential))

@@ -2,26 +2,24 @@
 
 use super::BroadPhase;
 use super::order::PairSorter;
-use super::separating_plane::SeparatingPlane;
 use super::triangle_pairs::TrianglePairs;
 use crate::bounds::Bounds;
-use crate::closest::{edge_edge, point_triangle};
+use crate::ccd::{Query, QueryKind};
 use crate::error::CollideError;
-use crate::incidence::{Incidence, Primitives};
-use crate::pair::Pair;
+use crate::incidence::Incidence;
+use crate::pair::{Gap, Pair};
 use cloth_core::error::not_negative;
-use cloth_core::math::{Real, Vec3, gather, is_finite};
+use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::mesh::TriMesh;
 
 /// The pairs (vertex, triangle) and (edge, edge) of a cloth that can come within a margin of each other while it moves;
 /// of several cloths, if they are one mesh.
 ///
 /// A pair is a candidate if the boxes of its two parts overlap, each box around all positions of its vertices before
-/// and after the motion, moved outwards by half of the margin and by one rounding, and if no plane is found between the
-/// boxes of the vertices of one part and those of the other. Three planes are tried: along each of the two triangles
-/// that the parts belong to, and across the line between their nearest points halfway. Boxes alone would be far too
-/// many: those of a tilted layer overlap with the layers above and below wherever it is, and those of neighbours in a
-/// flat sheet overlap all the time.
+/// and after the motion, moved outwards by half of the margin and by one rounding, and if they are not farther apart
+/// than the margin, at both ends of the motion, along the line between their nearest points halfway. Boxes alone would
+/// be far too many: those of a tilted layer overlap with the layers above and below wherever it is, and those of
+/// neighbours in a flat sheet overlap all the time.
 ///
 /// So no pair is lost that comes as near as the margin while its vertices move on straight paths. Left out are
 /// pairs with a common vertex.
@@ -51,15 +49,9 @@ use cloth_core::mesh::TriMesh;
 pub struct ClothCandidates<B> {
     incidence: Incidence,
     vertex_boxes: Vec<Bounds>,
-    edge_boxes: Vec<Bounds>,
     triangle_pairs: TrianglePairs<B>,
-    /// The middle (m) of each vertex's box.
-    middles: Vec<Vec3>,
-    /// Across each triangle, halfway (m²).
-    normals: Vec<Vec3>,
-    separating_plane: SeparatingPlane,
-    vertex_triangle: Vec<[u32; 2]>,
-    edge_edge: Vec<[u32; 2]>,
+    /// Of each kind, in the order of [`QueryKind`].
+    found: [Vec<[u32; 2]>; 2],
     sorter: PairSorter,
 }
 
@@ -71,15 +63,10 @@ impl<B: BroadPhase> ClothCandidates<B> {
         let incidence = Incidence::new(mesh);
         let nothing = Bounds::around([Vec3::zeros()]);
         Self {
-            edge_boxes: vec![nothing; incidence.edges.len()],
             incidence,
             vertex_boxes: vec![nothing; mesh.vertex_count()],
             triangle_pairs: TrianglePairs::with(mesh, broad_phase),
-            middles: vec![Vec3::zeros(); mesh.vertex_count()],
-            normals: vec![Vec3::zeros(); mesh.triangle_count()],
-            separating_plane: SeparatingPlane::default(),
-            vertex_triangle: Vec::new(),
-            edge_edge: Vec::new(),
+            found: [Vec::new(), Vec::new()],
             sorter: PairSorter::default(),
         }
     }
@@ -107,120 +94,63 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (bounds, (&from, &to)) in self.vertex_boxes.iter_mut().zip(ends()) {
             *bounds = Bounds::around([from, to]).inflated(0.5 * margin);
         }
-        for (bounds, ends) in self.edge_boxes.iter_mut().zip(&self.incidence.edges) {
-            let [a, b] = ends.map(|v| &self.vertex_boxes[v as usize]);
-            *bounds = a.joined(b);
-        }
-        for (bounds, triangle) in self
-            .triangle_pairs
-            .bounds
-            .iter_mut()
-            .zip(&self.incidence.triangles)
-        {
-            let [a, b, c] = triangle.map(|v| &self.vertex_boxes[v as usize]);
-            *bounds = a.joined(b).joined(c);
-        }
-        self.separating_plane = SeparatingPlane::among(&self.vertex_boxes);
-        for (middle, bounds) in self.middles.iter_mut().zip(&self.vertex_boxes) {
-            *middle = (bounds.lower + bounds.upper) * 0.5;
-        }
-        for (normal, &triangle) in self.normals.iter_mut().zip(&self.incidence.triangles) {
-            let [a, b, c] = gather(&self.middles, triangle);
-            *normal = (b - a).cross(&(c - a));
+        let boxes = self.triangle_pairs.bounds.iter_mut();
+        for (bounds, triangle) in boxes.zip(&self.incidence.triangles) {
+            *bounds = around(&triangle.map(|v| &self.vertex_boxes[v as usize]));
         }
         self.triangle_pairs.search();
-        self.collect();
+        self.collect([from, to], margin);
         Ok(())
     }
 
-    /// Makes candidates from the pairs of triangles.
-    fn collect(&mut self) {
-        let mut pairs = std::mem::take(&mut self.triangle_pairs.pairs);
-        pairs.retain(|pair| !self.are_parted(pair.map(|t| t as usize)));
-        let [mut vertex_triangle, mut edge_edge] =
-            [&mut self.vertex_triangle, &mut self.edge_edge].map(std::mem::take);
-        vertex_triangle.clear();
-        edge_edge.clear();
-        for &pair in &pairs {
-            self.incidence.visit(pair, |primitives| match primitives {
-                Primitives::VertexTriangle(vertex, triangle) => {
-                    let can_touch = self.can_touch(vertex, triangle);
-                    if can_touch {
-                        vertex_triangle.push([vertex, triangle]);
-                    }
-                    can_touch
-                }
-                Primitives::EdgeTriangle(e, triangle) => {
-                    let bounds = &self.triangle_pairs.bounds[triangle as usize];
-                    self.edge_boxes[e as usize].overlaps(bounds)
-                }
-                Primitives::EdgeEdge(e, f) => {
-                    let can_touch = self.edges_can_touch(e, f);
-                    if can_touch {
-                        edge_edge.push([e.min(f), e.max(f)]);
-                    }
-                    can_touch
+    fn collect(&mut self, path: [&[Vec3]; 2], margin: Real) {
+        let mut found = std::mem::take(&mut self.found);
+        found.iter_mut().for_each(Vec::clear);
+        for &pair in &self.triangle_pairs.pairs {
+            let reaches = |ends: [u32; 2], t: u32| {
+                around(&ends.map(|v| &self.vertex_boxes[v as usize]))
+                    .overlaps(&self.triangle_pairs.bounds[t as usize])
+            };
+            self.incidence.visit(pair, reaches, |pair, [a, b]| {
+                if self.can_touch(pair, path, margin) {
+                    found[pair.kind as usize].push(match pair.kind {
+                        QueryKind::VertexTriangle => [a, b],
+                        QueryKind::EdgeEdge => [a.min(b), a.max(b)],
+                    });
                 }
             });
         }
-        self.triangle_pairs.pairs = pairs;
-        (self.vertex_triangle, self.edge_edge) = (vertex_triangle, edge_edge);
-        self.sorter
-            .sort_pairs(&mut self.vertex_triangle, self.vertex_boxes.len());
-        self.sorter
-            .sort_pairs(&mut self.edge_edge, self.edge_boxes.len());
+        self.found = found;
+        let counts = [self.vertex_boxes.len(), self.incidence.edges.len()];
+        for (found, count) in self.found.iter_mut().zip(counts) {
+            self.sorter.sort_pairs(found, count);
+        }
     }
 
-    /// Whether a plane along one of two triangles has them apart, and so all of their parts.
-    fn are_parted(&self, [a, b]: [usize; 2]) -> bool {
-        let corners =
-            [a, b].map(|t| self.incidence.triangles[t].map(|v| &self.vertex_boxes[v as usize]));
-        let along = |t: usize| {
-            self.separating_plane
-                .is_plane(&self.normals[t], &corners[0], &corners[1])
-        };
-        along(a) || along(b)
-    }
-
-    /// Whether a vertex and a triangle have overlapping boxes, and are not parted by the plane across the line between
-    /// their nearest points halfway.
+    /// Whether two primitives have overlapping boxes, and are not parted by the plane across the line between their
+    /// nearest points halfway.
     #[inline]
-    fn can_touch(&self, vertex: u32, triangle: u32) -> bool {
-        let own = &self.vertex_boxes[vertex as usize];
-        let corners = self.incidence.triangles[triangle as usize];
-        if !own.overlaps(&self.triangle_pairs.bounds[triangle as usize]) {
+    fn can_touch(&self, pair: Pair, [from, to]: [&[Vec3]; 2], margin: Real) -> bool {
+        let boxes = pair.vertices.map(|v| &self.vertex_boxes[v as usize]);
+        let (first, second) = boxes.split_at(pair.kind.split());
+        if !around(first).overlaps(&around(second)) {
             return false;
         }
-        let middle = self.middles[vertex as usize];
-        let line = point_triangle(middle, gather(&self.middles, corners)).separation;
-        let boxes = corners.map(|v| &self.vertex_boxes[v as usize]);
-        !self.separating_plane.is_plane(&line, &[own], &boxes)
-    }
-
-    /// The same for two edges.
-    #[inline]
-    fn edges_can_touch(&self, e: u32, f: u32) -> bool {
-        let [first, second] = [e, f].map(|edge| self.incidence.edges[edge as usize]);
-        let [own, other] = [e, f].map(|edge| &self.edge_boxes[edge as usize]);
-        if !own.overlaps(other) {
-            return false;
-        }
-        let [e, f] = [first, second].map(|edge| gather(&self.middles, edge));
-        let line = edge_edge(e, f).separation;
-        let [e, f] = [first, second].map(|edge| edge.map(|v| &self.vertex_boxes[v as usize]));
-        !self.separating_plane.is_plane(&line, &e, &f)
+        let path = Query::of(pair, from, to);
+        let halfway = Gap::new(pair.kind, &path.at(0.5));
+        !path.is_apart_along(&halfway.normal, margin)
     }
 
     /// Pairs `[vertex, triangle]` in rising order.
     #[must_use]
     pub fn vertex_triangle(&self) -> &[[u32; 2]] {
-        &self.vertex_triangle
+        &self.found[0]
     }
 
     /// Pairs `[e, f]` of numbers of edges, e < f, in rising order.
     #[must_use]
     pub fn edge_edge(&self) -> &[[u32; 2]] {
-        &self.edge_edge
+        &self.found[1]
     }
 
     /// The two vertices of each edge, the lower number first; in rising order, as in
@@ -232,9 +162,14 @@ impl<B: BroadPhase> ClothCandidates<B> {
 
     /// All of them, those of a vertex and a triangle first.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
-        let vertex_triangle = self.vertex_triangle.iter();
+        let [vertex_triangle, edge_edge] = self.found.each_ref().map(|found| found.iter());
         let vertex_triangle = vertex_triangle.map(|&[v, t]| self.incidence.vertex_triangle(v, t));
-        let edge_edge = self.edge_edge.iter();
         vertex_triangle.chain(edge_edge.map(|&[e, f]| self.incidence.edge_edge(e, f)))
     }
+}
+
+fn around(boxes: &[&Bounds]) -> Bounds {
+    boxes[1..]
+        .iter()
+        .fold(*boxes[0], |all, one| all.joined(one))
 }

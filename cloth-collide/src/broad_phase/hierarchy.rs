@@ -29,7 +29,7 @@ impl Hierarchy {
         // search then takes two thirds of the time.
         let size = |b: &Bounds| (b.upper - b.lower).norm();
         let thickness = 0.25 * boxes.iter().map(size).sum::<Real>() / boxes.len() as Real;
-        let leaves: Vec<_> = boxes.iter().map(|b| aabb(&b.loosened(thickness))).collect();
+        let leaves: Vec<_> = boxes.iter().map(|b| aabb(&b.inflated(thickness))).collect();
         Self {
             tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
             leaf_count: boxes.len(),

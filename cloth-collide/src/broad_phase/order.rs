@@ -29,7 +29,6 @@ impl<T: Copy + Default> BucketSorter<T> {
     }
 }
 
-/// Sorts pairs.
 pub(super) type PairSorter = BucketSorter<[u32; 2]>;
 
 impl PairSorter {

@@ -4,9 +4,8 @@ use super::order::PairSorter;
 use super::{BroadPhase, Hierarchy};
 use crate::bounds::Bounds;
 use crate::error::CollideError;
-use cloth_core::math::{Real, Vec3, gather, is_finite};
+use cloth_core::math::{Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
-use std::cell::Cell;
 
 /// Finds the pairs of triangles of one cloth whose boxes overlap, from a tree that is made once, from the rest
 /// positions; or by another broad phase.
@@ -18,12 +17,10 @@ use std::cell::Cell;
 /// tree mixes the pieces and is slow, not wrong.
 #[derive(Debug)]
 pub(crate) struct TrianglePairs<B = Hierarchy> {
-    /// The triangles of the mesh, as vertex numbers.
     pub(crate) triangles: Vec<[u32; 3]>,
     vertex_count: usize,
-    /// The box of each triangle.
     pub(crate) bounds: Vec<Bounds>,
-    broad_phase: B,
+    pub(crate) broad_phase: B,
     /// Pairs `[a, b]` of triangle numbers, a < b, whose boxes overlap: in rising order, each once, neighbours in the
     /// mesh included.
     pub(crate) pairs: Vec<[u32; 2]>,
@@ -36,13 +33,7 @@ impl TrianglePairs {
         Self::with(mesh, Hierarchy::default())
     }
 
-    /// Finds the pairs at `positions` (m), one per vertex.
-    ///
-    /// # Errors
-    /// [`CollideError::NonFinitePosition`] if a coordinate is NaN or infinite. What was found then stays.
-    ///
-    /// # Panics
-    /// If there are not as many positions as the mesh has vertices.
+    /// Finds the pairs at `positions` (m), one per vertex; what was found stays where one is not finite.
     pub(crate) fn find(&mut self, positions: &[Vec3]) -> Result<(), CollideError> {
         assert_eq!(
             positions.len(),
@@ -58,16 +49,9 @@ impl TrianglePairs {
         self.search();
         Ok(())
     }
-
-    /// Hands `visit` every pair of triangles a < b whose boxes, at the last positions, are nearer than the distance
-    /// whose square is `limit` (m²), which `visit` may lower on the way.
-    pub(crate) fn visit_within(&self, limit: &Cell<Real>, mut visit: impl FnMut([u32; 2])) {
-        self.broad_phase.visit_near(limit, |a, b| visit([a, b]));
-    }
 }
 
 impl<B: BroadPhase> TrianglePairs<B> {
-    /// With this `broad_phase`.
     pub(crate) fn with(mesh: &TriMesh, broad_phase: B) -> Self {
         let corners = |&t: &[u32; 3]| Bounds::around(gather(mesh.positions(), t));
         let mut pairs = Self {
@@ -83,7 +67,12 @@ impl<B: BroadPhase> TrianglePairs<B> {
         pairs
     }
 
-    /// Finds the pairs of the boxes as they are.
+    /// The vertices of the pairs that were found last.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = [[u32; 3]; 2]> + '_ {
+        let pairs = self.pairs.iter();
+        pairs.map(|pair| pair.map(|t| self.triangles[t as usize]))
+    }
+
     pub(crate) fn search(&mut self) {
         self.broad_phase.overlapping(&self.bounds, &mut self.pairs);
         // What comes next reads the triangles of each pair; in this order most are still in the cache.

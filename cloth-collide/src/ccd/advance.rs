@@ -10,7 +10,6 @@ use super::reach::Margin;
 use super::{Impact, Stop};
 use cloth_core::math::{Real, Vec3};
 
-/// No walk has more steps.
 pub(super) const MOST_STEPS: u32 = 96;
 
 /// Steps in `f64` before it is left to double precision, where that can be used.

@@ -18,9 +18,7 @@ use cloth_core::math::{Real, Vec3, is_finite};
 /// is rounded relative to itself, however far away from the origin of space both are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Difference<const K: usize> {
-    /// At the start.
     pub(super) from: Corners<K>,
-    /// At the end.
     pub(super) to: Corners<K>,
     /// Largest absolute coordinate of all (own unit).
     pub(super) size: Real,
@@ -107,8 +105,15 @@ pub(super) enum Feature {
 
 /// Polygons that know their point nearest to the origin.
 pub(super) trait NearestFeature {
+    /// The corners at the ends of their edges.
+    const EDGES: &'static [[usize; 2]];
+    const CORNERS: usize;
     /// All their parts, those with the most points first.
-    const FEATURES: &'static [Feature];
+    fn features() -> impl Iterator<Item = Feature> {
+        let edges = Self::EDGES.iter().map(|&[k, l]| Feature::Edge(k, l));
+        let corners = (0..Self::CORNERS).map(Feature::Corner);
+        std::iter::once(Feature::Face).chain(edges).chain(corners)
+    }
     /// Where it is.
     fn nearest_feature(&self) -> Feature;
     /// `nearest` and those of more points that it belongs to. At a small distance it takes less than rounding to
@@ -120,8 +125,7 @@ pub(super) trait NearestFeature {
             (Feature::Edge(k, l), Feature::Corner(corner)) => corner == k || corner == l,
             _ => false,
         };
-        let larger = Self::FEATURES.iter().copied().filter(contains);
-        std::iter::once(nearest).chain(larger)
+        std::iter::once(nearest).chain(Self::features().filter(contains))
     }
     /// How far inside the face it is: its smallest weight (dimensionless), 0 on the boundary.
     fn depth_inside(&self) -> Real;
@@ -139,15 +143,8 @@ fn fractions([x0, x1, x2, _]: &[Vec3; 4]) -> [Real; 2] {
 }
 
 impl NearestFeature for [Vec3; 3] {
-    const FEATURES: &'static [Feature] = &[
-        Feature::Face,
-        Feature::Edge(0, 1),
-        Feature::Edge(1, 2),
-        Feature::Edge(0, 2),
-        Feature::Corner(0),
-        Feature::Corner(1),
-        Feature::Corner(2),
-    ];
+    const EDGES: &'static [[usize; 2]] = &[[0, 1], [1, 2], [0, 2]];
+    const CORNERS: usize = 3;
 
     fn nearest_feature(&self) -> Feature {
         let [wa, wb, wc] = triangle_weights(self);
@@ -168,17 +165,8 @@ impl NearestFeature for [Vec3; 3] {
 }
 
 impl NearestFeature for [Vec3; 4] {
-    const FEATURES: &'static [Feature] = &[
-        Feature::Face,
-        Feature::Edge(0, 1),
-        Feature::Edge(2, 3),
-        Feature::Edge(0, 2),
-        Feature::Edge(1, 3),
-        Feature::Corner(0),
-        Feature::Corner(1),
-        Feature::Corner(2),
-        Feature::Corner(3),
-    ];
+    const EDGES: &'static [[usize; 2]] = &[[0, 1], [2, 3], [0, 2], [1, 3]];
+    const CORNERS: usize = 4;
 
     fn nearest_feature(&self) -> Feature {
         let [s, t] = fractions(self);

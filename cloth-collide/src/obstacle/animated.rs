@@ -1,6 +1,6 @@
 //! A surface that changes its shape in a given way: a moving character.
 
-use super::ObstacleError;
+use super::{ObstacleError, positive};
 use cloth_core::math::{Real, Vec3, is_finite};
 use std::sync::Arc;
 
@@ -17,11 +17,15 @@ impl AnimatedMesh {
     /// Goes through `shapes` (m), one every `interval` (s).
     ///
     /// # Errors
-    /// [`ObstacleError::NoShape`] without any, [`ObstacleError::ShapeSize`] if not all have as many vertices,
-    /// [`ObstacleError::OutOfRange`], [`ObstacleError::NonFinite`].
+    /// [`ObstacleError::OutOfRange`] without any, or for the interval, [`ObstacleError::ShapeSize`] if not all have as
+    /// many vertices, [`ObstacleError::NonFinite`].
     pub fn new(shapes: Vec<Vec<Vec3>>, interval: Real) -> Result<Self, ObstacleError> {
-        let interval = super::positive("time between two shapes (s)", interval)?;
-        let expected = shapes.first().ok_or(ObstacleError::NoShape)?.len();
+        let interval = positive("time between two shapes (s)", interval)?;
+        positive(
+            "number of shapes of an animated surface",
+            shapes.len() as Real,
+        )?;
+        let expected = shapes[0].len();
         for (shape, positions) in shapes.iter().enumerate() {
             let found = positions.len();
             if found != expected {

@@ -4,15 +4,15 @@ mod concave_edges;
 
 use super::{Distance, ObstacleError, SignedDistance};
 use crate::bounds::Bounds;
-use crate::closest::{PointTriangle, point_triangle};
-use crate::convert::{aabb, bounds as node_bounds};
+use crate::closest::PointTriangle;
+use crate::convert::{nearest_triangle, tree_over};
 use crate::separation::SeparationProbe;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::{
     EdgeTable, bow_tie_vertices, inconsistently_oriented_edges, triangle_edges,
 };
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use parry3d_f64::partitioning::Bvh;
 use std::fmt;
 
 /// A body bounded by triangles. φ is the distance from the nearest triangle, found in a tree of boxes; it is negative
@@ -72,14 +72,13 @@ impl ClosedMesh {
                 vertices[triangle[k] as usize] += face * u.cross(&w).norm().atan2(u.dot(&w));
             }
         }
-        let leaves: Vec<_> = corners().map(|x| aabb(&Bounds::around(x))).collect();
         let shares = match concave_edges::is_convex(mesh, &table, &faces) {
             true => Vec::new(),
             false => concave_edges::shares(mesh),
         };
         Ok(Self {
             shares,
-            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
+            tree: tree_over(corners()),
             bounds: Bounds::of(&positions),
             positions,
             triangles,
@@ -91,14 +90,9 @@ impl ClosedMesh {
 
     /// The outward direction where `nearest` lies on triangle `t`: not of unit length.
     fn outward(&self, t: usize, nearest: &PointTriangle) -> Vec3 {
-        let inner = |k: usize| nearest.weights[k] > 0.0;
-        match [inner(0), inner(1), inner(2)] {
-            [true, true, false] => self.edges[t][0],
-            [false, true, true] => self.edges[t][1],
-            [true, false, true] => self.edges[t][2],
-            [true, false, false] => self.vertices[self.triangles[t][0] as usize],
-            [false, true, false] => self.vertices[self.triangles[t][1] as usize],
-            [false, false, true] => self.vertices[self.triangles[t][2] as usize],
+        match feature(nearest) {
+            corner @ 0..3 => self.vertices[self.triangles[t][corner] as usize],
+            edge @ 3..6 => self.edges[t][edge - 3],
             _ => self.faces[t],
         }
     }
@@ -106,21 +100,13 @@ impl ClosedMesh {
 
 impl SignedDistance for ClosedMesh {
     fn signed_distance(&self, point: Vec3) -> Distance {
-        let at_point = Bounds::around([point]);
-        let found = self.tree.find_best(
-            Real::MAX,
-            |node: &BvhNode, _| node_bounds(node).squared_gap(&at_point).sqrt(),
-            |t, _| {
-                let triangle = gather(&self.positions, self.triangles[t as usize]);
-                let nearest = point_triangle(point, triangle);
-                Some((nearest.distance(), nearest))
-            },
-        );
-        let Some((t, (distance, nearest))) = found else {
+        let corners = |t: usize| gather(&self.positions, self.triangles[t]);
+        let found = nearest_triangle(&self.tree, point, Real::MAX, corners);
+        let Some((t, nearest)) = found else {
             // So far away that the square of the distance is not a number any more.
             return Distance::exact(Real::MAX, Vec3::z());
         };
-        let t = t as usize;
+        let distance = nearest.distance();
         let outward = self.outward(t, &nearest);
         let side = 1f64.copysign(nearest.separation.dot(&outward));
         let size = self.bounds.size() + distance;
@@ -156,6 +142,20 @@ impl fmt::Debug for ClosedMesh {
         f.debug_struct("ClosedMesh")
             .field("triangle_count", &self.triangles.len())
             .finish_non_exhaustive()
+    }
+}
+
+/// Where on its triangle the nearest point is: at a corner (0 to 2), on an edge (3 to 5), from corner k to the next one,
+/// or inside (6).
+fn feature(nearest: &PointTriangle) -> usize {
+    match nearest.weights.map(|weight| weight > 0.0) {
+        [true, false, false] => 0,
+        [false, true, false] => 1,
+        [false, false, true] => 2,
+        [true, true, false] => 3,
+        [false, true, true] => 4,
+        [true, false, true] => 5,
+        _ => 6,
     }
 }
 

@@ -16,11 +16,6 @@ pub enum ObstacleError {
         /// Of what.
         name: &'static str,
     },
-    /// A direction has no length.
-    NoDirection {
-        /// Which one.
-        name: &'static str,
-    },
     /// The mesh has an edge with three or more triangles, or too many triangles.
     NotASurface(MeshError),
     /// The mesh has a boundary, so there is no inside.
@@ -50,8 +45,6 @@ pub enum ObstacleError {
         /// The signed volume (m³).
         volume: Real,
     },
-    /// An animated surface has no shape to begin with.
-    NoShape,
     /// The shapes of an animated surface have different numbers of vertices.
     ShapeSize {
         /// The first that has another number than shape 0, counted from 0.
@@ -63,13 +56,6 @@ pub enum ObstacleError {
     },
     /// A shape without end cannot be sampled on a grid.
     Unbounded,
-    /// The grid would have more samples than is allowed.
-    TooManySamples {
-        /// How many it would have.
-        count: Real,
-        /// How many are allowed.
-        limit: usize,
-    },
 }
 
 impl fmt::Display for ObstacleError {
@@ -79,7 +65,6 @@ impl fmt::Display for ObstacleError {
             Self::NonFinite { name } => {
                 write!(f, "the {name} has a coordinate that is not a finite number")
             }
-            Self::NoDirection { name } => write!(f, "the {name} has no length, so no direction"),
             Self::NotASurface(error) => write!(f, "the mesh cannot bound an obstacle: {error}"),
             Self::NotClosed {
                 boundary_edge_count,
@@ -103,7 +88,6 @@ impl fmt::Display for ObstacleError {
                 f,
                 "the enclosed volume is {volume} m³: the triangles have to be counter-clockwise seen from outside"
             ),
-            Self::NoShape => write!(f, "an animated surface needs at least one shape"),
             Self::ShapeSize {
                 shape,
                 found,
@@ -113,10 +97,6 @@ impl fmt::Display for ObstacleError {
                 "shape {shape} of an animated surface has {found} vertices, but the first has {expected}"
             ),
             Self::Unbounded => write!(f, "a shape without end cannot be sampled on a grid"),
-            Self::TooManySamples { count, limit } => write!(
-                f,
-                "the grid would have {count:e} samples, more than the limit of {limit}"
-            ),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Everything below a plane.
 
-use super::{Distance, ObstacleError, SignedDistance, finite};
+use super::{Distance, ObstacleError, SignedDistance, finite, positive};
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};
 
@@ -22,16 +22,16 @@ impl HalfSpace {
     /// The half-space that the origin lies on the surface of, with the outward `normal` (any length).
     ///
     /// # Errors
-    /// [`ObstacleError::NonFinite`], [`ObstacleError::NoDirection`].
+    /// [`ObstacleError::NonFinite`], [`ObstacleError::OutOfRange`] for a normal without length.
     pub fn new(normal: Vec3) -> Result<Self, ObstacleError> {
-        let name = "normal of the half-space";
-        // Scaled first, so that squares neither overflow nor vanish.
-        let scaled = finite(name, normal)? / normal.amax();
-        if normal.amax() == 0.0 {
-            return Err(ObstacleError::NoDirection { name });
-        }
+        finite("normal of the half-space", normal)?;
+        let largest = positive(
+            "largest coordinate of the normal of the half-space",
+            normal.amax(),
+        )?;
         Ok(Self {
-            normal: scaled.normalize(),
+            // Scaled first, so that squares neither overflow nor vanish.
+            normal: (normal / largest).normalize(),
         })
     }
 

@@ -109,10 +109,4 @@ impl Obstacle {
             visit(Distance { normal, ..at }, weight);
         });
     }
-
-    /// Velocity (m/s) of the body at `point` (m), after `time` (s).
-    #[must_use]
-    pub fn velocity_at(&self, point: Vec3, time: Real) -> Vec3 {
-        self.motion.velocity_at(point, time)
-    }
 }

@@ -1,12 +1,12 @@
 //! Signed distance looked up in a grid.
 
-use super::{Distance, ObstacleError, SignedDistance, not_negative, positive};
+use super::{Distance, ObstacleError, SignedDistance, not_negative, positive, within};
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};
 use std::fmt;
 
 /// Most samples that a grid may have: half a gigabyte of them.
-const MOST_SAMPLES: usize = 1 << 26;
+const MOST_SAMPLES: Real = 67_108_864.0;
 
 /// Largest Σ |w| ‖d‖ (spacings) over the nodes, w their weights in φ with those of c, d their distances from the point:
 /// half-way between all nodes.
@@ -48,8 +48,8 @@ impl SampledDistance {
     /// Samples `shape` on a grid of the given `spacing` (m) that reaches at least `padding` (m) beyond it on all sides.
     ///
     /// # Errors
-    /// [`ObstacleError::OutOfRange`] for the spacing or the padding,
-    /// [`ObstacleError::Unbounded`] for a shape without end, [`ObstacleError::TooManySamples`].
+    /// [`ObstacleError::OutOfRange`] for the spacing, the padding or the number of samples,
+    /// [`ObstacleError::Unbounded`] for a shape without end.
     pub fn new(
         shape: &dyn SignedDistance,
         spacing: Real,
@@ -63,12 +63,8 @@ impl SampledDistance {
         // Two rows more than the box has on each side.
         let counts = extent.map(|x| (x / spacing).ceil().max(1.0) + 5.0);
         let count = counts.product();
-        if count > MOST_SAMPLES as Real {
-            return Err(ObstacleError::TooManySamples {
-                count,
-                limit: MOST_SAMPLES,
-            });
-        }
+        let name = "number of samples of the grid";
+        within(count <= MOST_SAMPLES, name, count, "at most 2²⁶")?;
         let [nx, ny, nz] = [counts.x as usize, counts.y as usize, counts.z as usize];
         let first = lower.add_scalar(-2.0 * spacing);
         let mut samples = Vec::with_capacity(nx * ny * nz);
@@ -197,10 +193,7 @@ impl SignedDistance for SampledDistance {
     }
 
     fn bounds(&self) -> Option<Bounds> {
-        Some(Bounds {
-            lower: self.shape_bounds.lower.add_scalar(-self.error_bound),
-            upper: self.shape_bounds.upper.add_scalar(self.error_bound),
-        })
+        Some(self.shape_bounds.inflated(self.error_bound))
     }
 }
 

@@ -266,7 +266,7 @@ impl Bodies {
             let index = row.body as usize * step.from.len() + v;
             self.stretches[index] = row.state.stretch(x[v], row.normal, reach);
             let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
-            work += impulse.dot(&substep.body(row).velocity_at(x[v], step.dt));
+            work += impulse.dot(&substep.body(row).motion().velocity_at(x[v], step.dt));
         }
         work
     }
@@ -293,7 +293,7 @@ impl Bodies {
                 approach: row.approach / step.dt,
                 of_body: -row
                     .normal
-                    .dot(&substep.body(row).velocity_at(x[v], step.dt)),
+                    .dot(&substep.body(row).motion().velocity_at(x[v], step.dt)),
             });
         }
     }

@@ -113,7 +113,8 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Edges push from the thickness on, as vertices do, and vertices with all of their area: where everything is to be
     /// that far apart, at any cost.
-    pub(crate) fn keep_all_apart(mut self) -> Self {
+    #[must_use]
+    pub fn keep_all_apart(mut self) -> Self {
         self.own.keeps_all_apart = true;
         self
     }
@@ -309,14 +310,12 @@ impl<'a> PotentialBuilder<'a> {
         Ok(())
     }
 
-    /// The rigid body of a number.
     fn body(&self, name: &'static str, number: usize) -> Result<&Body, BuildError> {
         let range = "below the number of obstacles";
         let body = self.obstacles.get(number);
         body.ok_or_else(|| invalid(name, number as Real, range))
     }
 
-    /// The bodies that the cloth pushes.
     fn free_bodies(&self) -> Result<Vec<FreeBody>, BuildError> {
         let found = self.free.iter().map(|&(number, body)| {
             let (obstacle, _) = self.body("number of a free obstacle", number)?;
@@ -333,16 +332,11 @@ impl<'a> PotentialBuilder<'a> {
         let mut sides = Vec::new();
         let mut animated = self.obstacles.len()..;
         for (mesh, motion) in &self.surfaces {
-            let mut is_exact = true;
-            let mut has_distance = false;
-            let (friction, body) = match motion {
+            let (error_bound, friction, body) = match motion {
                 Motion::Obstacle(number) => {
                     let name = "number of the obstacle with a surface";
                     let (body, friction) = self.body(name, *number)?;
-                    let error_bound = body.shape().error_bound();
-                    has_distance = error_bound < Real::INFINITY;
-                    is_exact = !has_distance || error_bound == 0.0;
-                    (*friction, Some(*number))
+                    (body.shape().error_bound(), *friction, Some(*number))
                 }
                 Motion::Own(animation, friction) => {
                     let count = animation.vertex_count();
@@ -351,12 +345,11 @@ impl<'a> PotentialBuilder<'a> {
                         return Err(invalid(name, count as Real, "that of its mesh"));
                     }
                     let friction = not_negative("friction of a body", *friction)?;
-                    (friction, animated.next())
+                    (Real::INFINITY, friction, animated.next())
                 }
             };
             let side = Side {
-                has_distance,
-                is_exact,
+                error_bound,
                 friction,
                 body: body.unwrap_or_default(),
             };

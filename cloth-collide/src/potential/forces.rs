@@ -5,6 +5,7 @@ use super::free::FreeBodies;
 use super::friction::Key;
 use super::near::Near;
 use super::source::Contacts;
+use crate::pair::ends;
 use cloth_core::math::{Real, Vec3};
 
 /// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises,
@@ -57,7 +58,6 @@ impl Ledger {
         }
     }
 
-    /// A step begins.
     pub(super) fn begin(&mut self) {
         self.impulses.normal.fill(Vec3::zeros());
         self.impulses.friction.fill(Vec3::zeros());
@@ -77,9 +77,9 @@ impl Ledger {
         weights: [Real; 4],
         [normal, friction]: [Vec3; 2],
     ) {
-        for (v, weight) in vertices.into_iter().zip(weights) {
-            self.impulses.normal[v as usize] += normal * weight;
-            self.impulses.friction[v as usize] += friction * weight;
+        for (v, weight) in ends(vertices, weights) {
+            self.impulses.normal[v] += normal * weight;
+            self.impulses.friction[v] += friction * weight;
         }
     }
 
@@ -161,7 +161,6 @@ impl BodyForce {
         self.force - self.friction
     }
 
-    /// Adds pressure and friction.
     fn add(&mut self, [normal, friction]: [Vec3; 2], arm: Vec3) {
         let force = normal + friction;
         self.force += force;

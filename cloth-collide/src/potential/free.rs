@@ -1,9 +1,5 @@
-//! Bodies that the cloth pushes: the impulses of contact on them, and what they make of these.
-//!
-//! In each (sub)step a body moves on as its momentum says, the cloth feels it as it feels any moving body, and the
-//! impulses of contact on the cloth are taken off the momentum of the body at the end. So the two have their momentum
-//! together, whatever the method, its iterations and the step. The coupling is staggered: a step has to resolve the
-//! frequency of the body on the contact ([`RigidBody::highest_frequency`]), or the body shows ringing.
+//! Bodies that the cloth pushes: the impulses of contact on them, and what they make of these; see the
+//! [chapter](super#bodies-that-the-cloth-pushes).
 
 use super::rows::Rows;
 use super::source::Contacts;
@@ -94,7 +90,6 @@ impl FreeBodies {
         list.for_each(|free| free.before = free.momenta);
     }
 
-    /// Goes back to them.
     pub(super) fn undo(&mut self) {
         let list = self.list.iter_mut();
         list.for_each(|free| free.momenta = free.before);

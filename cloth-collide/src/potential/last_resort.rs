@@ -1,12 +1,10 @@
-//! The last resort: pairs pushed apart one by one, up to 40 rounds, then impact zones, then vertices that stay where
-//! they were.
+//! The last resort, for the motion that sweeps have found where it is not free. Up to 40 times pairs are pushed apart one
+//! by one. Then, up to 20 times, vertices that get into a body are moved out of it, and those of pairs that go through
+//! each other become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid
+//! body nothing can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid,
+//! vertices stay where they were: another one in each round, or the step is refused. Everything is tested again after
+//! each change, so a step is free or refused.
 //!
-//! What sweeps have not brought to an end in which nothing passes through anything comes here, with the motion that
-//! they have found. Vertices that get into a body are moved out of it. Vertices of pairs that go through each other
-//! become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid body nothing
-//! can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid, vertices stay
-//! where they were. Everything is tested again after each change, so a step is free or refused. It ends: there are at
-//! most 40 rounds of pushes and 20 of zones, and after that each round stops another vertex, or refuses the step.
 //! Sources: Provot 1997 (see the [crate](crate#references)) and Bridson et al. 2002 (see
 //! [`obstacle`](crate::obstacle#references)).
 
@@ -17,7 +15,7 @@ use crate::bounds::mean;
 use crate::broad_phase::{BroadPhase, ClothCandidates};
 use crate::ccd::Query;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
-use crate::pair::{Gap, Pair};
+use crate::pair::{Gap, Pair, ends, weighted};
 use cloth_core::contact::{ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -62,15 +60,9 @@ impl Hit {
     fn push(&self, step: &ContactStep<'_>, x: &mut [Vec3], v: &mut [Vec3]) {
         let path = Query::of(self.pair, step.from, x);
         let near = Gap::new(path.kind, &path.at(self.time));
-        let ends = || {
-            self.pair
-                .vertices
-                .map(|v| v as usize)
-                .into_iter()
-                .zip(near.weights)
-        };
+        let ends = || ends(self.pair.vertices, near.weights);
         let ease: Real = ends().map(|(v, w)| w * w * step.inverse_mass[v]).sum();
-        let point: Vec3 = ends().map(|(v, w)| x[v] * w).sum();
+        let point = weighted(self.pair.vertices, near.weights, x);
         let missing = self.distance - near.normal.dot(&point);
         if missing <= 0.0 || ease == 0.0 {
             return;
@@ -264,7 +256,7 @@ fn way_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Optio
         Some(hit) if hit.time < dt => (hit.time, hit.distance, path.position(hit.time)),
         _ => (dt, body.signed_distance(ends[1], dt), ends[1]),
     };
-    let velocity = body.velocity_at(position, time);
+    let velocity = body.motion().velocity_at(position, time);
     let surface = position - at.normal * at.value + velocity * (dt - time);
     let offset = at.normal.dot(&surface) + thickness;
     let missing = offset - at.normal.dot(&ends[1]);

@@ -18,32 +18,34 @@ use cloth_core::mesh::TriMesh;
 /// What a vertex of a body's surface knows of its body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
-    /// Whether a signed distance keeps the vertices of the cloth out as well, and whether that is exact.
-    pub(super) has_distance: bool,
-    pub(super) is_exact: bool,
+    /// By how much (m) the signed distance may be off that keeps the vertices of the cloth out as well; infinite if
+    /// there is none.
+    pub(super) error_bound: Real,
     /// Coefficient of friction μ (dimensionless).
     pub(super) friction: Real,
     /// Its number: obstacles first, then animated surfaces.
     pub(super) body: usize,
 }
 
+impl Side {
+    /// Whether there is a signed distance, but not an exact one.
+    fn is_off(&self) -> bool {
+        self.error_bound > 0.0 && self.error_bound < Real::INFINITY
+    }
+}
+
 /// What the cloth has of its own.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Own {
+pub(crate) struct Own {
     /// Thickness (m) and coefficient of friction μ (dimensionless) of each vertex; empty where all are alike.
     pub(super) thicknesses: Vec<Real>,
     pub(super) frictions: Vec<Real>,
     /// Coefficient μ of cloth on cloth (dimensionless).
     pub(super) friction: Real,
-    /// Whether it can touch itself.
     pub(super) self_collision: bool,
-    /// Pieces that may pass through each other.
     pub(super) excluded: LetGo,
-    /// Vertices that are sewn together.
-    pub(super) sewn: Sewn,
-    /// What finds patches and pairs that are near each other.
+    pub(crate) sewn: Sewn,
     pub(super) broad_phase: BroadPhaseKind,
-    /// Whether pinched cloth passes through bodies.
     pub(super) pinched_passes: bool,
     /// Whether edges push from the thickness on, as vertices do, and vertices with all of their area.
     pub(super) keeps_all_apart: bool,
@@ -51,13 +53,13 @@ pub(super) struct Own {
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
 #[derive(Debug)]
-pub(super) struct Near {
+pub(crate) struct Near {
     /// That with the largest range: what is farther apart than it does not touch.
-    pub(super) law: PenaltyLaw,
+    pub(crate) law: PenaltyLaw,
     /// Number of vertices of the cloth; what follows are those of surfaces of bodies.
-    pub(super) cloth: usize,
+    pub(crate) cloth: usize,
     surfaces: Vec<Side>,
-    pub(super) own: Own,
+    pub(crate) own: Own,
     pub(super) incidence: Incidence,
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     pub(super) vertex_area: Vec<Real>,
@@ -174,7 +176,7 @@ impl Near {
 
     /// Whether two triangles are kept apart unless they are let go: bodies do not touch each other, nor prescribed
     /// cloth.
-    pub(super) fn parts(&self, pair: [[u32; 3]; 2], is_free: bool) -> bool {
+    pub(crate) fn parts(&self, pair: [[u32; 3]; 2], is_free: bool) -> bool {
         let first = pair.map(|corners| corners[0]);
         let vertices = pair.as_flattened();
         self.patches_meet(first)
@@ -190,8 +192,7 @@ impl Near {
 
     /// Pairs of triangles that are near each other where they were found last, and could touch.
     fn near_triangles(&self) -> impl Iterator<Item = [[u32; 3]; 2]> + '_ {
-        let found = self.triangle_pairs.iter().flat_map(|pairs| &pairs.pairs);
-        let corners = found.map(|pair| pair.map(|t| self.incidence.triangles[t as usize]));
+        let corners = self.triangle_pairs.iter().flat_map(TrianglePairs::corners);
         corners.filter(|[a, b]| self.patches_meet([a[0], b[0]]))
     }
 
@@ -218,18 +219,15 @@ impl Near {
         Ok(bodies)
     }
 
-    /// The body of which one of these vertices is.
-    fn body_among(&self, vertices: &[u32]) -> Option<usize> {
-        vertices.iter().find_map(|&v| self.body_of(v))
-    }
-
     /// Whether part of the cloth with these vertices passes through the body of which the others are.
     fn is_pinched(&self, vertices: &[u32]) -> bool {
-        self.pinched.count() > 0
-            && self.body_among(vertices).is_some_and(|body| {
-                let mut vertices = vertices.iter();
-                vertices.any(|&v| self.pinched.passes(v as usize, body))
-            })
+        let mut bodies = vertices.iter().filter_map(|&v| self.body_of(v));
+        let passes = |body| {
+            vertices
+                .iter()
+                .any(|&v| self.pinched.passes(v as usize, body))
+        };
+        self.pinched.count() > 0 && bodies.next().is_some_and(passes)
     }
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.
@@ -249,7 +247,7 @@ impl Near {
     }
 
     /// The body that a vertex is of, if it is not of the cloth.
-    pub(super) fn body_of(&self, vertex: u32) -> Option<usize> {
+    pub(crate) fn body_of(&self, vertex: u32) -> Option<usize> {
         self.side(vertex).map(|side| side.body)
     }
 
@@ -278,12 +276,15 @@ impl Near {
         vertices.iter().any(|&v| self.is_free[v as usize]) && !self.is_pinched(&vertices)
     }
 
-    /// Whether a vertex before a triangle is kept out of its body by a signed distance, so that the two need no look.
-    pub(super) fn is_kept_out(&self, vertex: u32, corners: [u32; 3]) -> bool {
-        self.is_own(vertex)
+    /// Whether a pair is a vertex before a triangle of a body that keeps it out by a signed distance, so that the two
+    /// need no look.
+    pub(super) fn is_kept_out(&self, Pair { kind, vertices }: Pair) -> bool {
+        let [vertex, corner, ..] = vertices;
+        kind == QueryKind::VertexTriangle
+            && self.is_own(vertex)
             && self
-                .side(corners[0])
-                .is_some_and(|side| side.has_distance && side.is_exact)
+                .side(corner)
+                .is_some_and(|side| side.error_bound == 0.0)
     }
 
     /// Coefficient of friction μ (dimensionless) of a pair.
@@ -317,15 +318,19 @@ impl Near {
         self.law.with_range(self.thickness(vertex as u32))
     }
 
-    /// The area (m²) that a vertex stands for before a triangle: between two sheets, whose vertices all count, half of
-    /// its own; that of a body has no more than the vertices of the cloth there.
-    pub(super) fn area_before(&self, vertex: u32, corners: [u32; 3]) -> Real {
-        let area = |v: u32| self.vertex_area[v as usize];
-        if self.is_own(vertex) {
-            let is_between_sheets = self.is_own(corners[0]) && !self.own.keeps_all_apart;
-            return if is_between_sheets { 0.5 } else { 1.0 } * area(vertex);
+    /// The area (m²) that a pair with these numbers stands for, but for its mollifier. A vertex before a triangle:
+    /// between two sheets, whose vertices all count, half of its own; that of a body has no more than the vertices of
+    /// the cloth there. Two edges: the smaller of theirs.
+    pub(super) fn area_at_rest(&self, Pair { kind, vertices }: Pair, [e, f]: [u32; 2]) -> Real {
+        if kind == QueryKind::EdgeEdge {
+            return self.edge_area[e as usize].min(self.edge_area[f as usize]);
         }
-        area(vertex).min(corners.map(area).iter().sum::<Real>() / 3.0)
+        let [area, corners @ ..] = vertices.map(|v| self.vertex_area[v as usize]);
+        if self.is_own(vertices[0]) {
+            let is_between_sheets = self.is_own(vertices[1]) && !self.own.keeps_all_apart;
+            return if is_between_sheets { 0.5 } else { 1.0 } * area;
+        }
+        area.min(corners.iter().sum::<Real>() / 3.0)
     }
 
     /// The distance (m) from which on a pair pushes: for two parts of one piece no farther than they are apart at rest,
@@ -343,7 +348,7 @@ impl Near {
         let thickness = match (self.side(a), self.side(d)) {
             (None, None) => 0.5 * part * (self.thickness(a) + self.thickness(d)),
             // Vertices before a distance that is off are pushed by it; the triangles keep them out where it is wrong.
-            (None, Some(side)) if !side.is_exact => return 0.5 * self.thickness(a),
+            (None, Some(side)) if side.is_off() => return 0.5 * self.thickness(a),
             (None, Some(_)) => return part * self.thickness(a),
             _ => return 0.5 * self.thickness(d),
         };

@@ -64,7 +64,6 @@ pub(super) struct NearPairs {
     /// Of each obstacle and each vertex: where it was asked for the distance, in the frame of the obstacle (m), and
     /// that distance (m). It changes by no more than the displacement from there.
     rooms: Vec<(Vec3, Real)>,
-    /// Vertex and obstacle.
     pub(super) vertex_obstacle: Vec<[u32; 2]>,
     /// Room to work in: the parts of paths (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
     pub(super) shares: [Vec<Real>; 2],
@@ -156,8 +155,9 @@ impl NearPairs {
     /// as where a minimisation comes to its end, one step of the cloth away from where it began. They are chosen anew
     /// once looking at them has cost as much as that.
     fn is_elsewhere(&mut self, path: [&[Vec3]; 2], moved: Real, room: Real) -> bool {
-        self.spent += self.vertex_triangle.awake() + self.edge_edge.awake();
-        let all = self.vertex_triangle.len() + self.edge_edge.len();
+        let (one, other) = (&self.vertex_triangle, &self.edge_edge);
+        self.spent += one.awake + other.awake;
+        let all = one.pairs.len() + other.pairs.len();
         let is_dear = self.spent > AS_DEAR * (MANY + all);
         is_dear && 2.0 * (longest(path) + room) < moved
     }

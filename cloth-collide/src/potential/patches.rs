@@ -56,7 +56,7 @@
 //!   added up from look to look (`bring_up`) since the last detection. It never falls, and bounds the relative motion
 //!   since each look in between: a pair that lacks something then need not be asked before the travel has grown by that
 //!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`Known`). For the paths of a minimisation
-//!   it is the changes that are added up (`travels`), and nearest points are not kept.
+//!   it is the changes that are added up, and nearest points are not kept.
 //! - *Clock* of a patch (`Motions::clocks`): the displacement of its centre besides that of the mean of all of the
 //!   cloth, and its path, added up over the substeps. It never goes back, and two patches move relative to each other
 //!   by no more than both clocks advance together. So a look notes the sum of two clocks until which nothing can happen
@@ -181,14 +181,12 @@ pub(super) struct Patches {
     aim_displacements: Vec<Real>,
     drift: Vec<Real>,
     awake_in: Vec<u32>,
-    /// For paths: what was allowed to the two patches of each pair when pairs were chosen, and the travel of each (m).
+    /// For paths: what was allowed to the two patches of each pair when pairs were chosen.
     allowed: Vec<Allowed>,
-    travels: Vec<Real>,
     /// When pairs of patches were searched.
     searched: Motions,
     boxes: Vec<Bounds>,
     broad_phase: Box<dyn BroadPhase>,
-    found: Vec<[u32; 2]>,
     pairs: Vec<PatchPair>,
     /// The two patches of each of them, and the sum of their clocks (m; how far they have moved, see above), for paths
     /// their travel, until which nothing can happen between them.
@@ -443,17 +441,17 @@ impl Patches {
         for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
             *bounds = around(vertices, x).inflated(reach);
         }
-        self.broad_phase.overlapping(&self.boxes, &mut self.found);
+        self.broad_phase.overlapping(&self.boxes, &mut self.ids);
         let own = (0..self.members.len() as u32).map(|p| [p, p]);
-        self.found.extend(own);
+        self.ids.extend(own);
         let members = &self.members;
         let meet = |pair: &[u32; 2]| near.patches_meet(pair.map(|p| members[p as usize].1[0]));
-        self.found.retain(meet);
-        self.found.sort_unstable();
+        self.ids.retain(meet);
+        self.ids.sort_unstable();
         self.searched.copy(&self.now);
         std::mem::swap(&mut self.pairs, &mut self.before);
         let mut known = self.before.drain(..).peekable();
-        for &patches in &self.found {
+        for &patches in &self.ids {
             while let Some(old) = known.next_if(|old| old.patches < patches) {
                 self.spare.push(old);
             }
@@ -466,11 +464,10 @@ impl Patches {
             let spare = self.spare.pop().unwrap_or_default();
             self.pairs.push(spare.of(patches));
         }
-        self.ids.clone_from(&self.found);
         self.quiet.clear();
-        self.quiet.resize(self.found.len(), Real::NEG_INFINITY);
+        self.quiet.resize(self.ids.len(), Real::NEG_INFINITY);
         self.awake_in.clear();
-        self.awake_in.resize(self.found.len(), 0);
+        self.awake_in.resize(self.ids.len(), 0);
         self.spare.extend(known);
         self.is_known = true;
     }

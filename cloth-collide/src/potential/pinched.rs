@@ -1,13 +1,7 @@
-//! Cloth that is pinched: bodies that close on it leave it no free way.
+//! Cloth that is pinched: bodies that close on it leave it no free way; see the [chapter](super#pinched-cloth).
 //!
-//! Nothing can keep a sheet outside of two jaws that meet, and which of them it should obey no law of contact says.
-//! That is [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible), unless the cloth may pass
-//! ([`PotentialBuilder::pinched_cloth_passes`](super::PotentialBuilder::pinched_cloth_passes)), as with a figure whose
-//! arm comes to rest on its side: where a step finds no way, the vertices that have none, and their neighbours, pass
-//! through the body with the highest number among those that stand in theirs, and the step is tried again. They pass
-//! through it until no triangle of the cloth crosses it any more, and none of them is inside; then contact is what it
-//! was. (Baraff, Witkin and Kass, "Untangling cloth", ACM Trans. Graph. 22, 2003, section 5.3,
-//! <https://doi.org/10.1145/882262.882357>, hold pinched vertices to the mean motion of both bodies instead.)
+//! Baraff, Witkin and Kass, "Untangling cloth", ACM Trans. Graph. 22, 2003, section 5.3,
+//! <https://doi.org/10.1145/882262.882357>, hold pinched vertices to the mean motion of both bodies instead.
 
 use super::near::Near;
 
@@ -24,7 +18,6 @@ impl Pinched {
         self.pairs.len()
     }
 
-    /// Whether a vertex passes through a body.
     pub(super) fn passes(&self, vertex: usize, body: usize) -> bool {
         !self.pairs.is_empty()
             && self
@@ -41,7 +34,6 @@ impl Pinched {
         bodies
     }
 
-    /// The vertices that pass through a body.
     pub(super) fn vertices(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
         let of = move |pair: &&[u32; 2]| pair[1] as usize == body;
         self.pairs.iter().filter(of).map(|pair| pair[0] as usize)

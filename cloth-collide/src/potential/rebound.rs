@@ -19,6 +19,7 @@
 use super::forces::Ledger;
 use super::near::Near;
 use super::row::Row;
+use crate::pair::ends;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
@@ -58,9 +59,8 @@ impl Rebounds {
         let least = self.least(near);
         let touching = rows.iter().filter(|row| row.state.lambda > 0.0);
         for row in touching.filter(|row| row.approach.abs() > least) {
-            let ends = row.pair.vertices.iter().zip(row.weights);
-            let moved = ends.filter(|(v, _)| **v as usize >= near.cloth);
-            let moved = moved.map(|(v, w)| (x[*v as usize] - step.from[*v as usize]) * w);
+            let of_bodies = ends(row.pair.vertices, row.weights).filter(|(v, _)| *v >= near.cloth);
+            let moved = of_bodies.map(|(v, w)| (x[v] - step.from[v]) * w);
             self.list.push(Rebound {
                 vertices: row.pair.vertices,
                 weights: row.weights,
@@ -78,8 +78,8 @@ impl Rebounds {
         let mut work = 0.0;
         for rebound in &self.list {
             let (normal, weights) = (rebound.normal, rebound.weights);
-            let ends = || rebound.vertices.into_iter().zip(weights);
-            let own = ends().filter_map(|(v, w)| Some(*velocities.get(v as usize)? * w));
+            let ends = || ends(rebound.vertices, weights);
+            let own = ends().filter_map(|(v, w)| Some(*velocities.get(v)? * w));
             let speed = normal.dot(&own.sum()) + rebound.of_body;
             let wanted = match rebound.approach > 0.0 {
                 true => self.coefficient * rebound.approach,
@@ -87,7 +87,7 @@ impl Rebounds {
             };
             let impulse = (wanted - speed) / rebound.ease;
             for ((v, weight), w) in ends().zip(rebound.inverse_mass) {
-                if let Some(velocity) = velocities.get_mut(v as usize) {
+                if let Some(velocity) = velocities.get_mut(v) {
                     *velocity += normal * (impulse * weight * w);
                 }
             }

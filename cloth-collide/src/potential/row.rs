@@ -6,7 +6,7 @@ use super::rows::{KEPT, LEAST, SLACK};
 use super::tangent::{RowState, Tangent};
 use crate::ccd::Query;
 use crate::obstacle::Distance;
-use crate::pair::{Gap, Pair, weighted};
+use crate::pair::{Gap, Pair, ends, weighted};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -126,8 +126,7 @@ impl Row {
         let point = self.point(x);
         let at = Distance::exact(self.normal.dot(&point), self.normal);
         if let Some(push) = self.state.project(&at, point, self.ease) {
-            for (v, weight) in self.pair.vertices.iter().zip(self.weights) {
-                let v = *v as usize;
+            for (v, weight) in ends(self.pair.vertices, self.weights) {
                 x[v] += push * (weight * w[v]);
             }
         }

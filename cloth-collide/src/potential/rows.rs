@@ -11,9 +11,7 @@
 //! Friction holds the point where it was, with ‖f‖ ≤ μ λ; a point that sticks goes back to where it began to stick,
 //! however many substeps ago. For a body the distance is evaluated anew in each sweep ([`bodies`](super::bodies)).
 //!
-//! At the end of the substep every pair is tested: a plane across the frozen normal, or the continuous test. What has
-//! not kept a part of its distance gets sweeps without compliance; then its vertices go back on their path; and what is
-//! left even then is for impact zones.
+//! What happens at the end of a substep says the [chapter](super#for-methods-that-project-positions).
 
 use super::bodies::{Bodies, Body, Substep};
 use super::forces::Ledger;
@@ -24,6 +22,7 @@ use super::rebound::Rebounds;
 use super::report::ConstraintReport;
 use super::row::{Parted, Row};
 use super::source::Contacts;
+use crate::pair::ends;
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
 
@@ -84,8 +83,7 @@ impl Rows {
         let mut sum = 0.0;
         for row in self.rows.iter().filter(|row| row.state.lambda > 0.0) {
             let push = row.normal * row.state.lambda + row.state.friction;
-            for (v, weight) in row.pair.vertices.iter().zip(row.weights) {
-                let v = *v as usize;
+            for (v, weight) in ends(row.pair.vertices, row.weights) {
                 if step.inverse_mass[v] == 0.0 {
                     sum -= push.dot(&(x[v] - step.from[v])) * weight;
                 }
@@ -118,7 +116,6 @@ impl ContactConstraints for Contacts {
         step: &ContactStep<'_>,
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
-        self.set_out_alone(step, predicted);
         if self.near.sets_out(step.from, predicted) {
             self.rows
                 .start_anew(&self.near, step.from, self.before.len());
@@ -477,5 +474,5 @@ fn work_of_nearest(bodies: &[Body], push: Vec3, x: Vec3, dt: Real) -> Real {
     let nearest = bodies
         .iter()
         .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.map_or(0.0, |(body, _)| push.dot(&body.velocity_at(x, dt)))
+    nearest.map_or(0.0, |(body, _)| push.dot(&body.motion().velocity_at(x, dt)))
 }

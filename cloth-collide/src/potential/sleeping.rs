@@ -7,9 +7,9 @@ use cloth_core::math::Real;
 pub(super) struct Sleeping<P> {
     /// What each lacked (m), apart from the pairs, because that is all that is asked of most of them.
     lacks: Vec<Real>,
-    pairs: Vec<P>,
+    pub(super) pairs: Vec<P>,
     /// The first so many are awake, and the least that another one lacks (m).
-    awake: usize,
+    pub(super) awake: usize,
     next: Real,
 }
 
@@ -55,17 +55,6 @@ impl<P> Sleeping<P> {
         }
     }
 
-    /// How many there are.
-    pub(super) fn len(&self) -> usize {
-        self.pairs.len()
-    }
-
-    /// How many are awake.
-    pub(super) fn awake(&self) -> usize {
-        self.awake
-    }
-
-    /// Those that are awake.
     pub(super) fn iter(&self) -> impl Iterator<Item = &P> {
         self.pairs[..self.awake].iter()
     }

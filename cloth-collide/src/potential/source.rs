@@ -26,8 +26,6 @@ const LONGEST: Real = 10.0;
 const MOST_ROUNDS: u32 = 10;
 /// Coordinates (m) from which on squares are beyond all numbers.
 const LARGEST: Real = 1e150;
-/// Size (s) of a step in which no body comes far, and no law of contact is stiff.
-const NO_TIME: Real = 1e-12;
 /// Displacement (in thicknesses) below which friction is a spring.
 const STICKING: Real = 1e-2;
 
@@ -101,22 +99,16 @@ impl Contacts {
     /// See [`ContactSource::keep_free`](cloth_core::contact::ContactSource::keep_free).
     pub(super) fn keep_free(
         &mut self,
-        from: &[Vec3],
-        inverse_mass: &[Real],
+        step: &ContactStep<'_>,
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
-        let step = ContactStep {
-            from,
-            inverse_mass,
-            dt: NO_TIME,
-        };
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
         let ledger = self.ledger.take();
         let kept = self
-            .begin_step(&step)
-            .and_then(|()| self.begin_substep(&step, x))
-            .and_then(|()| self.end_substep(&step, x));
+            .begin_step(step)
+            .and_then(|()| self.begin_substep(step, x))
+            .and_then(|()| self.end_substep(step, x));
         self.ledger = ledger;
         kept?;
         let moved = std::mem::take(&mut self.rows.report.shortened) as usize;
@@ -129,15 +121,11 @@ impl Contacts {
 }
 
 impl ContactPotential for Contacts {
-    /// The start is checked, free bodies set out, and where something prescribed moves the constraints lead the start;
-    /// pairs are chosen and friction is frozen at `step.from`; a start that was not led is cut to where its path is
-    /// safe.
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
         self.held = 0;
         self.free.remember();
         self.free.dt = step.dt;
-        self.set_out_alone(step, start);
         self.remember_bodies();
         self.rows.took_last = false;
         let mut wanted = std::mem::take(&mut self.wanted);
@@ -274,13 +262,6 @@ impl ContactPotential for Contacts {
 }
 
 impl Contacts {
-    /// Free bodies set out, unless they have done so because their surfaces had to be placed.
-    pub(super) fn set_out_alone(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
-        if step.from.len() == self.near.cloth {
-            self.set_out(step, to);
-        }
-    }
-
     /// The part of paths (m) that is looked at: they are too long beyond.
     fn share(&self, from: &[Vec3], to: &[Vec3]) -> Real {
         let (from, to) = (self.near.own(from), self.near.own(to));
@@ -295,7 +276,6 @@ impl Contacts {
         STICKING * self.near.law.range()
     }
 
-    /// Notes where bodies are before a step.
     pub(super) fn remember_bodies(&mut self) {
         self.before.clear();
         let bodies = self.bodies.iter().map(|(body, _)| body.clone());
@@ -483,8 +463,7 @@ impl Contacts {
             let mut whole = -contact.value_and_gradient().1;
             let key = Key::Obstacle([v as u32, number as u32]);
             for sticking in self.sticking.iter().filter(|sticking| sticking.key == key) {
-                let u = sticking.displacement(x);
-                whole -= u * (sticking.most / u.norm().max(reach));
+                whole -= sticking.force(reach, x).0;
             }
             sum += whole.dot(&displacement);
         }

@@ -225,7 +225,6 @@ impl Contacts {
 }
 
 impl FreeBodies {
-    /// Stops bodies where they meet something.
     fn stop_at(&mut self, meetings: &mut [Meeting]) {
         let zeros = [Vec3::zeros(); 2];
         self.list.iter_mut().for_each(|free| free.change = zeros);

@@ -1,14 +1,10 @@
-//! The contact of a cloth with itself, and with bodies whose surfaces are triangles.
-//!
-//! A signed distance keeps vertices out of a body, and knows nothing of what is between them: the corner of a box can
-//! pierce a triangle, and a ball smaller than one passes through it. So a body also takes part as the triangles of its
-//! surface: prescribed vertices behind those of the cloth, in the same machinery. Pairs of two bodies, or of what
-//! stands still, are never looked at. A body that changes its shape, or that has no inside, has nothing but its
-//! triangles.
+//! The contact of a cloth with itself, and with bodies whose surfaces are triangles: prescribed vertices behind those of
+//! the cloth, in the same machinery. Why they are needed says the [chapter](super#bodies).
 
 use super::bodies::Body;
 use super::builder::PotentialBuilder;
 use super::forces::{ContactForces, Ledger};
+use super::near::Near;
 use super::report::ConstraintReport;
 use super::rows::LEADING_SWEEPS;
 use super::sewn::Sewn;
@@ -20,6 +16,9 @@ use cloth_core::contact::{
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Size (s) of a step in which no body comes far, and no law of contact is stiff.
+const NO_TIME: Real = 1e-12;
 
 /// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the
 /// [chapter](super).
@@ -39,7 +38,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
-    /// Empty if bodies have no triangles; `contacts` are asked without them then.
     pub(super) surfaces: Surfaces,
 }
 
@@ -203,15 +201,6 @@ impl PotentialContacts {
         PotentialBuilder::new(mesh)
     }
 
-    /// What [`ContactSource::potential`] gives, to be read.
-    #[must_use]
-    pub fn as_potential(&self) -> &dyn ContactPotential {
-        match self.surfaces.list.is_empty() {
-            true => &self.contacts,
-            false => self,
-        }
-    }
-
     /// What the last step took, of a method that projects positions.
     #[must_use]
     pub fn constraint_report(&self) -> ConstraintReport {
@@ -309,9 +298,9 @@ impl PotentialContacts {
         }
     }
 
-    /// Number of vertices of the cloth.
-    pub(crate) fn vertex_count(&self) -> usize {
-        self.surfaces.cloth
+    /// What the parts of the cloth, and of the surfaces of bodies behind it, stand for.
+    pub(crate) fn near(&self) -> &Near {
+        &self.contacts.near
     }
 
     /// The cloth, with the surfaces of bodies behind it; none if nothing of it can cross.
@@ -319,25 +308,10 @@ impl PotentialContacts {
         self.contacts.last_resort.mesh.as_ref()
     }
 
-    /// Pairs of vertices that sew all together that is sewn.
-    pub(crate) fn sewn(&self) -> Vec<[u32; 2]> {
-        self.contacts.near.own.sewn.pairs()
-    }
-
     /// Writes where the vertices of bodies are when the next step begins (m).
     pub(crate) fn place_bodies(&mut self, out: &mut [Vec3]) {
         self.surfaces.place(&self.contacts.bodies, 0.0);
         out.copy_from_slice(&self.surfaces.from[self.surfaces.cloth..]);
-    }
-
-    /// Whether two triangles should be apart, one of whose vertices is free or not.
-    pub(crate) fn part(&self, corners: [[u32; 3]; 2], is_free: bool) -> bool {
-        self.contacts.near.parts(corners, is_free)
-    }
-
-    /// The body of which a vertex is, if it is not of the cloth.
-    pub(crate) fn body_of(&self, vertex: u32) -> Option<usize> {
-        self.contacts.near.body_of(vertex)
     }
 
     /// Whether a vertex of the cloth at `x` (m) is inside of a body with an inside and a surface.
@@ -398,17 +372,11 @@ impl PotentialContacts {
 
 impl ContactSource for PotentialContacts {
     fn potential(&mut self) -> &mut dyn ContactPotential {
-        match self.surfaces.list.is_empty() {
-            true => &mut self.contacts,
-            false => self,
-        }
+        self
     }
 
     fn constraints(&mut self) -> &mut dyn ContactConstraints {
-        match self.surfaces.list.is_empty() {
-            true => &mut self.contacts,
-            false => self,
-        }
+        self
     }
 
     fn keep_free(
@@ -418,17 +386,16 @@ impl ContactSource for PotentialContacts {
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
-        // Of a step of no time, in which bodies stay.
         let step = ContactStep {
             from,
             inverse_mass,
-            dt: 1.0,
+            dt: NO_TIME,
         };
         step.check(surfaces.cloth, x, x)?;
         surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);
-        self.contacts.keep_free(all.from, all.inverse_mass, to)?;
+        self.contacts.keep_free(&all, to)?;
         self.surfaces.take(x);
         Ok(())
     }

@@ -12,14 +12,12 @@ const MOST_TURN: Real = 1.0;
 #[derive(Debug, Default)]
 pub(super) struct Zones {
     sets: DisjointSets,
-    /// Whether a vertex is in a zone.
     member: Vec<bool>,
     /// (zone, vertex), in rising order, once sorted.
     members: Vec<[u32; 2]>,
 }
 
 impl Zones {
-    /// No zones.
     pub(super) fn reset(&mut self, vertex_count: usize) {
         self.sets.reset(vertex_count);
         self.member.clear();

@@ -1,13 +1,13 @@
 //! How many triangles of the cloth go through bodies?
 
+use super::meet_unduly;
 use crate::broad_phase::TrianglePairs;
 use crate::error::CollideError;
-use crate::intersect::triangles_meet;
-use cloth_core::math::{Vec3, gather};
+use cloth_core::math::Vec3;
 use cloth_core::mesh::{MeshError, TriMesh, generate::join};
 
 /// Counts the pairs of a triangle of the cloth and one of a body's surface that have a point in common, by the exact
-/// test of [`triangles_meet`]. It shares no code with what keeps them apart.
+/// test of [`triangles_meet`](crate::triangles_meet). It shares no code with what keeps them apart.
 ///
 /// ```
 /// use cloth_collide::BodyProbe;
@@ -68,15 +68,9 @@ impl BodyProbe {
             .into_iter()
             .for_each(|x| self.places.extend_from_slice(x));
         self.pairs.find(&self.places)?;
-        let triangles = &self.pairs.triangles;
         let is_own = |t: &[u32; 3]| (t[0] as usize) < self.cloth;
-        let pairs = self.pairs.pairs.iter();
-        let pairs = pairs.map(|pair| pair.map(|t| triangles[t as usize]));
-        let mixed = pairs.filter(|[a, b]| is_own(a) != is_own(b));
-        let meet = |pair: &[[u32; 3]; 2]| {
-            let [a, b] = pair.map(|corners| gather(&self.places, corners));
-            triangles_meet(a, b)
-        };
-        Ok(mixed.filter(meet).count())
+        let mixed = self.pairs.corners().filter(|[a, b]| is_own(a) != is_own(b));
+        let meet = mixed.filter(|pair| meet_unduly(*pair, &self.places));
+        Ok(meet.count())
     }
 }

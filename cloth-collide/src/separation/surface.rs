@@ -1,10 +1,7 @@
 //! How far are points from a surface?
 
-use crate::bounds::Bounds;
-use crate::closest::point_triangle;
-use crate::convert::{aabb, bounds as node_bounds};
+use crate::convert::{nearest_triangle, tree_over};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 
 /// The smallest distance (m), without a sign, of any of `points` (m) from the triangles of a surface, whose vertices
 /// are at `positions` (m); none without a point or without a triangle. Points and triangles that are not finite are
@@ -31,20 +28,11 @@ pub fn distance_from_surface(
 ) -> Option<Real> {
     let corners = triangles.iter().map(|&t| gather(positions, t));
     let corners: Vec<[Vec3; 3]> = corners.filter(|x| x.iter().all(is_finite)).collect();
-    let leaves: Vec<_> = corners.iter().map(|&x| aabb(&Bounds::around(x))).collect();
-    let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
+    let tree = tree_over(corners.iter().copied());
     let mut nearest = Real::INFINITY;
     for &point in points.iter().filter(|x| is_finite(x)) {
-        let at_point = Bounds::around([point]);
-        let found = tree.find_best(
-            nearest,
-            |node: &BvhNode, _| node_bounds(node).squared_gap(&at_point).sqrt(),
-            |t, _| {
-                let distance = point_triangle(point, corners[t as usize]).distance();
-                Some((distance, distance))
-            },
-        );
-        nearest = found.map_or(nearest, |(_, (distance, _))| nearest.min(distance));
+        let found = nearest_triangle(&tree, point, nearest, |t| corners[t]);
+        nearest = found.map_or(nearest, |(_, found)| nearest.min(found.distance()));
     }
     nearest.is_finite().then_some(nearest)
 }

@@ -1,11 +1,8 @@
 //! The way back: no vertex stays farther from where it was than contact asks for.
 
 use crate::potential::PotentialContacts;
-use cloth_core::contact::{ContactError, ContactSource, ContactStep, Projection};
+use cloth_core::contact::{ContactError, ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::TriMesh;
-use cloth_core::step::BuildError;
-use std::fmt;
 
 /// Substeps back, at most, and sweeps in each.
 const MOST_RETURNS: u32 = 100;
@@ -18,55 +15,30 @@ const AT_REST: Real = 1e-3;
 /// Size (s) of a substep so long that contact does not give way.
 const LONG: Real = 1e3;
 
-/// Why the way back could not be gone.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ReturnError {
-    /// The thickness makes no sense.
-    Build(BuildError),
-    /// Contact could not be kept.
-    Contact(ContactError),
-}
-
-impl fmt::Display for ReturnError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Build(error) => error.fmt(f),
-            Self::Contact(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for ReturnError {}
-
-/// Moves the `positions` (m) of an untangled cloth as near to its tangled `start` (m) as it can come without passing
-/// through itself again, its layers `thickness` (m) apart: those of one piece no farther
-/// apart than the positions of `mesh` have them, unless they touch there.
+/// Moves the `positions` (m) of an untangled cloth as near to its tangled `start` (m) as `contacts` let it come without
+/// passing through itself again. For layers that are a thickness apart these have to
+/// [keep all apart](crate::potential::PotentialBuilder::keep_all_apart): those of one piece no farther apart than at
+/// rest, unless they touch there.
 ///
 /// Each substep wants all vertices back at the start, and projects that onto the contact constraints (the nearest place
 /// in the metric of the masses), until nothing moves any more. Every straight path in between is free of crossings.
 /// Vertices with an `inverse_mass` (1/kg) of 0 stay.
 ///
 /// # Errors
-/// [`ReturnError`]: a thickness that is not positive, or positions that are tangled or not finite.
+/// [`ContactError`]: positions that are tangled or not finite.
 ///
 /// # Panics
 /// If there is not one start, one inverse mass and one position per vertex.
 pub fn bring_back(
-    mesh: &TriMesh,
-    thickness: Real,
+    contacts: &mut PotentialContacts,
     inverse_mass: &[Real],
     start: &[Vec3],
     positions: &mut [Vec3],
-) -> Result<(), ReturnError> {
-    let count = mesh.vertex_count();
+) -> Result<(), ContactError> {
+    let (count, thickness) = (contacts.near().cloth, contacts.near().law.range());
     assert_eq!(start.len(), count, "one start a vertex");
     assert_eq!(inverse_mass.len(), count, "one mass a vertex");
     assert_eq!(positions.len(), count, "one position a vertex");
-    let contacts = PotentialContacts::builder(mesh).thickness(thickness);
-    let mut contacts = contacts
-        .keep_all_apart()
-        .build()
-        .map_err(ReturnError::Build)?;
     let mut projection = Projection::default();
     let (mut from, mut velocities) = (positions.to_vec(), vec![Vec3::zeros(); count]);
     for _ in 0..MOST_RETURNS {
@@ -83,9 +55,7 @@ pub fn bring_back(
             inverse_mass,
             dt: LONG,
         };
-        let constraints = contacts.constraints();
-        let taken = projection.step(constraints, &step, SWEEPS, positions, &mut velocities);
-        taken.map_err(ReturnError::Contact)?;
+        projection.step(contacts, &step, SWEEPS, positions, &mut velocities)?;
         let displacements = from.iter().zip(&*positions).map(|(a, b)| (b - a).norm());
         if displacements.fold(0.0, Real::max) < AT_REST * thickness {
             break;

@@ -37,11 +37,9 @@ impl Contour {
         self.pairs.find(positions)?;
         self.segments.clear();
         self.meeting.clear();
-        let triangles = &self.pairs.triangles;
-        for &pair in &self.pairs.pairs {
-            let corners = pair.map(|t| triangles[t as usize]);
+        for (pair, corners) in self.pairs.pairs.iter().zip(self.pairs.corners()) {
             if world.counts(corners) && meet_unduly(corners, positions) {
-                self.meeting.push(pair);
+                self.meeting.push(*pair);
                 self.segments.extend(segment(corners, positions));
             }
         }

@@ -1,7 +1,6 @@
 //! Untangling in the course of a simulation.
 
-use super::{SMOOTHINGS, Untangler, WORTHWHILE, World};
-use crate::error::CollideError;
+use super::{Untangler, World};
 use crate::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactSource};
 use cloth_core::math::{Real, Vec3};
@@ -29,7 +28,6 @@ const MORE_ITERATIONS: u32 = 16;
 #[derive(Debug)]
 pub struct StepUntangler {
     untangler: Untangler,
-    /// Number of vertices of the cloth.
     cloth: usize,
     sets: DisjointSets,
     is_inside: Vec<bool>,
@@ -71,10 +69,10 @@ impl StepUntangler {
     /// together moves together, and is no crossing; nor are pieces that may pass through each other.
     #[must_use]
     pub fn new(contacts: &PotentialContacts) -> Option<Self> {
-        let (mesh, cloth) = (contacts.mesh()?, contacts.vertex_count());
+        let (mesh, cloth) = (contacts.mesh()?, contacts.near().cloth);
         let count = mesh.vertex_count();
         Some(Self {
-            untangler: Untangler::among(mesh, cloth, &contacts.sewn()),
+            untangler: Untangler::among(mesh, cloth, &contacts.near().own.sewn.pairs()),
             cloth,
             sets: DisjointSets::default(),
             is_inside: vec![false; count],
@@ -120,16 +118,10 @@ impl StepUntangler {
         self.look(contacts, positions)?;
         let crossing = self.crossing();
         let count = crossing.count();
-        let (fewest, best_step) = self.best.unwrap_or((usize::MAX, 0));
-        if count < fewest {
-            self.best = Some((count, self.steps));
-        }
-        let since = self.steps
-            - if count < fewest {
-                self.steps
-            } else {
-                best_step
-            };
+        let fewest = self.best.filter(|(fewest, _)| count >= *fewest);
+        let best = fewest.unwrap_or((count, self.steps));
+        let since = self.steps - best.1;
+        self.best = Some(best);
         self.steps += 1;
         self.start.copy_from_slice(positions);
         if count == 0 {
@@ -177,7 +169,6 @@ impl StepUntangler {
         }
     }
 
-    /// Whether a triangle is of the cloth.
     fn is_own(&self, triangle: u32) -> bool {
         let corners = self.untangler.contour.pairs.triangles[triangle as usize];
         (corners[0] as usize) < self.cloth
@@ -266,7 +257,7 @@ impl StepUntangler {
             .map(|pair| pair.map(|t| corners(t)[0]))
         {
             let of = |v: u32| self.region[v as usize];
-            match first.map(|v| contacts.body_of(v)) {
+            match first.map(|v| contacts.near().body_of(v)) {
                 [None, None] => {
                     let [a, b] = first.map(of);
                     self.pairs.push([a.min(b), a.max(b)]);
@@ -281,25 +272,5 @@ impl StepUntangler {
             pairs.sort_unstable();
             pairs.dedup();
         }
-    }
-}
-
-impl Untangler {
-    /// One iteration from positions (m) whose contour has just been found: shortens it with as much averaging as helps,
-    /// or pushes what is cut off.
-    fn iterate(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<(), CollideError> {
-        let before = self.contour.length();
-        for rounds in SMOOTHINGS {
-            let taken = self.descend(positions, world, rounds, self.longest_step)?;
-            if taken.is_some() && self.contour.length() < WORTHWHILE * before {
-                return Ok(());
-            }
-            self.contour.find(positions, world)?;
-            if taken.is_some() {
-                break;
-            }
-        }
-        self.push(positions, world)?;
-        Ok(())
     }
 }

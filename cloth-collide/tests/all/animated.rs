@@ -31,7 +31,7 @@ fn goes_straight_from_shape_to_shape_and_stays_at_the_ends() {
 fn what_is_no_animation_is_named() {
     let one = || vec![Vec3::zeros()];
     let made = |shapes, interval| AnimatedMesh::new(shapes, interval).unwrap_err();
-    assert_eq!(made(vec![], 1.0), ObstacleError::NoShape);
+    assert!(made(vec![], 1.0).to_string().contains("number of shapes"));
     let (shape, found, expected) = (1, 2, 1);
     let size = ObstacleError::ShapeSize {
         shape,

@@ -344,3 +344,27 @@ fn what_does_not_fit_is_named() {
         "{begun:?}"
     );
 }
+
+/// Two balls that are nothing but their distance close on a corner of the cloth: there is no free way, unless pinched
+/// cloth may pass.
+#[test]
+fn cloth_pinched_by_bodies_without_triangles_is_refused_or_passes() {
+    let corners = [(0.0, 0.0), (0.3, 0.0), (0.0, 0.3)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    let cloth = TriMesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+    let closed = |passes: bool| {
+        let mut builder = PotentialContacts::builder(&cloth).thickness(THICKNESS);
+        for side in [-1.0, 1.0] {
+            let motion = rising(Vec3::z() * (0.11 * side), -side);
+            let ball = Obstacle::moving(Sphere::new(0.1).unwrap(), motion).unwrap();
+            builder = builder.obstacle(ball, 0.0);
+        }
+        let mut contacts = builder.pinched_cloth_passes(passes).build().unwrap();
+        let (mut x, mut v) = (corners.to_vec(), vec![Vec3::zeros(); 3]);
+        // The other two corners are held, so that the first cannot leave between the balls.
+        let w = [1e3, 0.0, 0.0];
+        let ended = fly(&mut contacts, &mut x, &mut v, &w, 12, |_, _| ());
+        (ended.is_ok(), contacts.pinched() > 0)
+    };
+    assert_eq!(closed(false), (false, false));
+    assert_eq!(closed(true), (true, true));
+}

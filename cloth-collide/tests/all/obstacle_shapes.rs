@@ -294,7 +294,10 @@ fn numbers_out_of_range_are_refused_by_name() {
             "normal",
         );
     }
-    says(HalfSpace::new(Vec3::zeros()).unwrap_err(), "no length");
+    says(
+        HalfSpace::new(Vec3::zeros()).unwrap_err(),
+        "normal of the half-space is 0",
+    );
     says(ImpactLaw::new(0.0, 1.1).unwrap_err(), "between 0 and 1");
     let floor = HalfSpace::new(Vec3::z()).unwrap();
     says(
@@ -332,7 +335,7 @@ fn an_obstacle_moves_as_a_rigid_body() {
         // The velocity of a point of the body is the derivative of its place.
         let h = 1e-5;
         let slope = (world(time + h) - world(time - h)) / (2.0 * h);
-        assert!((slope - obstacle.velocity_at(world(time), time)).norm() < 1e-8);
+        assert!((slope - obstacle.motion().velocity_at(world(time), time)).norm() < 1e-8);
         // To let time pass is to ask later.
         let mut later = obstacle.clone();
         later.advance(time).unwrap();

@@ -1,5 +1,7 @@
 use super::*;
 use crate::shapes::{deformed, sheet};
+use cloth_core::math::Real;
+use std::cell::Cell;
 
 /// Distance of two boxes, written another way than the code has it.
 fn box_distance(a: [Vec3; 3], b: [Vec3; 3]) -> Real {
@@ -64,7 +66,10 @@ fn visit_meets_every_pair_that_is_nearer_once_and_follows_a_falling_limit() {
         let mut pairs = TrianglePairs::new(&mesh);
         pairs.find(&positions).unwrap();
         let mut visited = Vec::new();
-        pairs.visit_within(&Cell::new(0.2 * 0.2), |pair| visited.push(pair));
+        let limit = Cell::new(0.2 * 0.2);
+        pairs
+            .broad_phase
+            .visit_near(&limit, |a, b| visited.push([a, b]));
         visited.sort_unstable();
         // The tree's boxes are larger by rounding, and a box at exactly the limit is no longer of interest.
         let expected = brute_force(&mesh, &positions, 0.2 - 1e-9);
@@ -75,9 +80,8 @@ fn visit_meets_every_pair_that_is_nearer_once_and_follows_a_falling_limit() {
         );
         assert_eq!(visited, expected, "{name}");
 
-        let limit = Cell::new(0.2 * 0.2);
         let mut count = 0;
-        pairs.visit_within(&limit, |_| {
+        pairs.broad_phase.visit_near(&limit, |_, _| {
             count += 1;
             limit.set(0.0);
         });

@@ -1,7 +1,7 @@
 //! The walk in double precision, for what is nearer than `f64` can tell.
 
 use super::Walk;
-use crate::ccd::difference::NearestFeature;
+use crate::ccd::difference::{Feature, NearestFeature};
 use crate::ccd::number::{Double, Number};
 use crate::ccd::{Impact, Stop};
 use cloth_core::math::{Real, Vec3};
@@ -27,10 +27,9 @@ where
     /// often certifies all of the trial again, and then the others are left out.
     pub(super) fn fine(&self, time: Real, trial: Real) -> Option<Impact> {
         let polygon = &self.polygon;
-        let features = <[Vec3; K]>::FEATURES;
         let (mut now, mut trial) = (Double::new(time, 0.0), trial.max(SHORTEST_TRIAL));
         let mut x = polygon.at(now);
-        let mut favourite = 0;
+        let mut favourite = Feature::Face;
         let mut growth = 8.0;
         for _ in 0..BUDGET {
             let rest = (Double::new(1.0, 0.0) - now).value();
@@ -43,11 +42,11 @@ where
             let end = polygon.at(until);
             let mut reach = 0.0;
             let first = favourite;
-            let order = std::iter::once(first).chain((0..features.len()).filter(|&k| k != first));
-            for k in order {
-                let found = self.reach_of(features[k], &x, &end);
+            let others = <[Vec3; K]>::features().filter(|feature| *feature != first);
+            for feature in std::iter::once(first).chain(others) {
+                let found = self.reach_of(feature, &x, &end);
                 if found > reach {
-                    (reach, favourite) = (found, k);
+                    (reach, favourite) = (found, feature);
                 }
                 if reach >= 1.0 {
                     break;

@@ -11,9 +11,9 @@
 //! cancel against the edge, all but one, and around a vertex with n triangles n − n + 1 are left. At a concave edge
 //! both sides count, and so do two sides of a gap.
 
-use super::ClosedMesh;
+use super::{ClosedMesh, feature};
 use crate::bounds::Bounds;
-use crate::closest::{PointTriangle, nearest_on_segment, point_triangle};
+use crate::closest::{nearest_on_segment, point_triangle};
 use crate::convert::aabb;
 use crate::incidence::{ends, joined};
 use crate::obstacle::Distance;
@@ -58,11 +58,7 @@ impl ClosedMesh {
         range: Real,
         visit: &mut dyn FnMut(Distance, Real),
     ) {
-        let reach = Vec3::repeat(range);
-        let around = aabb(&Bounds {
-            lower: point - reach,
-            upper: point + reach,
-        });
+        let around = aabb(&Bounds::around([point]).inflated(range));
         for t in self.tree.intersect_aabb(&around) {
             let corners = self.triangles[t as usize];
             let x = gather(&self.positions, corners);
@@ -95,18 +91,5 @@ impl ClosedMesh {
                 }
             }
         }
-    }
-}
-
-/// Where on its triangle the nearest point is: a corner, an edge or inside, as the weights are numbered above.
-fn feature(nearest: &PointTriangle) -> usize {
-    match nearest.weights.map(|weight| weight > 0.0) {
-        [true, false, false] => 0,
-        [false, true, false] => 1,
-        [false, false, true] => 2,
-        [true, true, false] => 3,
-        [false, true, true] => 4,
-        [true, false, true] => 5,
-        _ => 6,
     }
 }

@@ -3,8 +3,7 @@
 use super::between::PatchPair;
 use super::{HOLD, LEAST_ROOM, MOST_ROOM, Memory, NearPair, PATCH, Patches, around};
 use crate::bounds::Bounds;
-use crate::closest::{edge_edge, point_triangle};
-use crate::incidence::Primitives;
+use crate::pair::{Pair, nearest};
 use crate::potential::near::Near;
 use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
@@ -157,16 +156,16 @@ impl Patches {
         reach: Real,
         out: &mut Vec<NearPair>,
     ) {
-        let big = boxes[0].loosened(reach);
+        let is_near = |a: &Bounds, b: &Bounds| a.squared_gap(b) <= reach * reach;
         let at = |v: u32| x[v as usize];
         let bounds = |t: u32| Bounds::around(near.incidence.triangles[t as usize].map(at));
-        let mut others: [(u32, Bounds); PATCH] = [(0, big); PATCH];
+        let mut others: [(u32, Bounds); PATCH] = [(0, boxes[0]); PATCH];
         // The same bounds, coordinate by coordinate: none overlaps what is nowhere.
         let mut sides = [[Real::INFINITY; PATCH]; 6];
         let mut count = 0;
         for &u in &self.members[q].0 {
             let bounds = bounds(u);
-            if bounds.overlaps(&big) {
+            if is_near(&bounds, &boxes[0]) {
                 others[count] = (u, bounds);
                 for axis in 0..3 {
                     sides[axis][count] = bounds.lower[axis];
@@ -177,7 +176,7 @@ impl Patches {
         }
         for &t in &self.members[p].0 {
             let own = bounds(t);
-            if !own.loosened(reach).overlaps(&boxes[1]) {
+            if !is_near(&own, &boxes[1]) {
                 continue;
             }
             let mut near_boxes = wide(|| nearer(&own, &sides, reach * reach));
@@ -187,58 +186,30 @@ impl Patches {
                 if p == q && *u <= t {
                     continue;
                 }
-                let boxes = [(t, &own), (*u, other)];
-                near.incidence.visit([t, *u], |primitives| {
-                    out.extend(near_pair(near, x, primitives, boxes, reach));
-                    match primitives {
-                        Primitives::EdgeTriangle(e, _) => {
-                            let ends = gather(x, near.incidence.edges[e as usize]);
-                            Bounds::around(ends).squared_gap(other) <= reach * reach
-                        }
-                        _ => true,
-                    }
+                let reaches = |ends, _| is_near(&Bounds::around(gather(x, ends)), other);
+                near.incidence.visit([t, *u], reaches, |pair, numbers| {
+                    out.extend(near_pair(near, x, pair, numbers, reach));
                 });
             }
         }
     }
 }
 
-/// A vertex and a triangle, or two edges, if they are nearer than `reach` (m) at `x` (m); in two triangles with these
-/// boxes.
+/// A vertex and a triangle, or two edges, with their numbers, if they are nearer than `reach` (m) at `x` (m).
 #[inline]
 fn near_pair(
     near: &Near,
     x: &[Vec3],
-    primitives: Primitives,
-    boxes: [(u32, &Bounds); 2],
+    pair: Pair,
+    numbers: [u32; 2],
     reach: Real,
 ) -> Option<NearPair> {
-    let is_far = |a: &Bounds, b: &Bounds| a.squared_gap(b) > reach * reach;
-    let (pair, distance, area) = match primitives {
-        Primitives::VertexTriangle(vertex, triangle) => {
-            let corners = near.incidence.triangles[triangle as usize];
-            let place = x[vertex as usize];
-            let [(_, first), (other, second)] = boxes;
-            let bounds = if triangle == other { second } else { first };
-            if near.is_kept_out(vertex, corners) || is_far(&Bounds::around([place]), bounds) {
-                return None;
-            }
-            let distance = point_triangle(place, gather(x, corners)).distance();
-            let pair = near.incidence.vertex_triangle(vertex, triangle);
-            (pair, distance, near.area_before(vertex, corners))
-        }
-        Primitives::EdgeEdge(e, f) => {
-            let ends = |edge: u32| gather(x, near.incidence.edges[edge as usize]);
-            let (first, second) = (ends(e), ends(f));
-            if is_far(&Bounds::around(first), &Bounds::around(second)) {
-                return None;
-            }
-            let distance = edge_edge(first, second).distance();
-            let area = near.edge_area[e as usize].min(near.edge_area[f as usize]);
-            (near.incidence.edge_edge(e, f), distance, area)
-        }
-        Primitives::EdgeTriangle(..) => return None,
-    };
+    let places = gather(x, pair.vertices);
+    let (one, other) = places.split_at(pair.kind.split());
+    if Bounds::of(one).squared_gap(&Bounds::of(other)) > reach * reach || near.is_kept_out(pair) {
+        return None;
+    }
+    let distance = nearest(pair.kind, &places).1.norm();
     if distance >= reach || !near.meets(pair.vertices) {
         return None;
     }
@@ -246,7 +217,7 @@ fn near_pair(
     Some(NearPair {
         room: distance - range,
         range,
-        area,
+        area: near.area_at_rest(pair, numbers),
         pair,
         seen: 0,
         memory: NOTHING,

@@ -8,7 +8,7 @@ use cloth_core::method::parallel::wide;
 use std::ops::Range;
 
 /// What a path may turn a patch by beyond what was looked at, as a difference of rotations (dimensionless).
-const TURN: Real = 0.05;
+pub(super) const TURN: Real = 0.05;
 /// Difference of rotations from which on a path is measured as if patches did not turn.
 const LARGEST_TURN: Real = 0.5;
 
@@ -71,7 +71,6 @@ impl Patches {
         now.spreads[p] = self.reference_spreads[p] + root(spread);
     }
 
-    /// The same of all patches.
     fn settle_all(&mut self) {
         for k in 0..self.moving.len() {
             self.settle(self.moving[k] as usize);
@@ -134,7 +133,6 @@ impl Patches {
         }
     }
 
-    /// Compares how they are turned.
     #[inline(always)]
     fn compare_turns(&mut self, then: &mut Motions) {
         let now = &self.now;
@@ -299,11 +297,6 @@ impl Allowed {
             None => left,
         };
         Self { change, turn }
-    }
-
-    /// What is allowed where the first patch hardly turns.
-    pub(super) fn nearly_straight(left: Real, range: Real) -> Self {
-        Self::all(Some(TURN), left, range)
     }
 
     /// The same with all that makes points nearer by `left` (m).

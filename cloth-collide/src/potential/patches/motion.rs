@@ -1,7 +1,7 @@
 //! Pairs for paths that a minimisation may take, with room around them.
 
 use super::detect::Look;
-use super::measure::Allowed;
+use super::measure::{Allowed, TURN};
 use super::{NearPair, Patches, REACH};
 use crate::potential::near::Near;
 use cloth_core::math::{Real, Vec3};
@@ -34,15 +34,15 @@ impl Patches {
         if !self.is_known || self.has_strayed(room) {
             let displacement = self.longest_stray() + room;
             self.reach = (2.0 * displacement).max(REACH * self.edge);
-            self.search_for_paths(near, x);
+            self.search(near, x);
         }
         let range = near.law.range();
         let mut looks = std::mem::take(&mut self.looks);
         looks.clear();
         self.allowed.clear();
         for k in 0..self.pairs.len() {
-            let (patches, left) = (self.ids[k], self.quiet[k] - self.travels[k]);
-            let straight = Allowed::nearly_straight(left, range);
+            let (patches, left) = (self.ids[k], self.quiet[k] - self.pairs[k].travel);
+            let straight = Allowed::all(Some(TURN), left, range);
             if straight.holds(self.roughly(patches), room) {
                 self.allowed.push(straight);
                 continue;
@@ -52,7 +52,6 @@ impl Patches {
             if nearer <= left {
                 allowed = allowed.extended(left, range);
             } else {
-                self.pairs[k].travel = self.travels[k];
                 let now = self.moved(k, nearer);
                 looks.push(Look::new(k, [now, now + nearer, nearer]));
             }
@@ -63,7 +62,6 @@ impl Patches {
             let k = look.number as usize;
             let pair = &mut self.pairs[k];
             let left = pair.wake(look, |_, one, _| Some(visit(one, look.once)));
-            self.travels[k] = pair.travel;
             self.quiet[k] = pair.travel + left;
             // Nothing has been chosen of these two.
             if look.once <= left {
@@ -75,23 +73,14 @@ impl Patches {
 
     /// Adds the motion that was looked at to the travels of all pairs of patches.
     fn travel(&mut self) {
-        for (k, patches) in self.ids.iter().enumerate() {
-            let roughly = self.roughly(*patches);
-            self.travels[k] += match EASILY * roughly <= self.quiet[k] - self.travels[k] {
+        for k in 0..self.pairs.len() {
+            let (patches, left) = (self.ids[k], self.quiet[k] - self.pairs[k].travel);
+            let roughly = self.roughly(patches);
+            self.pairs[k].travel += match EASILY * roughly <= left {
                 true => roughly,
-                false => self.change(*patches).min(roughly),
+                false => self.change(patches).min(roughly),
             };
         }
-    }
-
-    /// The same as [`Patches::search`], with travels kept.
-    fn search_for_paths(&mut self, near: &Near, x: &[Vec3]) {
-        let travels = self.pairs.iter_mut().zip(&self.travels);
-        travels.for_each(|(pair, travel)| pair.travel = *travel);
-        self.search(near, x);
-        self.travels.clear();
-        self.travels
-            .extend(self.pairs.iter().map(|pair| pair.travel));
     }
 
     /// Whether what was chosen last holds at `x` (m), which was chosen for paths from the `x` of the choice on.
