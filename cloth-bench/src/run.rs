@@ -100,6 +100,10 @@ pub struct Summary {
     pub energy_given: Real,
     /// The first step after which the cloth moved with energy that it had never been given.
     pub energy_gain: Option<EnergyGain>,
+    /// Energy of contact at the start (J), of cloth that is nearer than the thickness to itself or to a body.
+    pub contact_energy_at_start: Real,
+    /// How far (m) that energy would throw the cloth up on Earth, if that is farther than the thickness.
+    pub start_lift: Option<Real>,
     /// How far the centre of mass fell (m).
     pub center_of_mass_drop: Real,
     /// Crossing pairs of triangles at the end; none measured where the scene has no triangles.
@@ -160,6 +164,17 @@ impl Summary {
 }
 
 impl Summary {
+    /// A sentence about a start nearer than the thickness, if contact throws the cloth away from there.
+    #[must_use]
+    pub fn start_warning(&self) -> Option<String> {
+        self.start_lift.map(|lift| {
+            format!(
+                "the cloth starts nearer to itself or to a body than the thickness: contact holds {:.3e} J there, which would throw it {lift:.3} m up; start it farther away, or with a smaller thickness",
+                self.contact_energy_at_start
+            )
+        })
+    }
+
     /// A sentence about steps that ended at their most iterations, if there are so many of them that it is worth a
     /// warning.
     #[must_use]
@@ -200,11 +215,11 @@ impl<'a> Course<'a> {
         contacts.for_each(|timed| timed.source.contacts.record_forces(are_wanted));
     }
 
-    /// The energy (J) of contact where the cloth starts: it may begin nearer to something than the thickness. Of a
-    /// start that is refused, 0.
-    fn stored(&mut self, state: &State) -> Real {
+    /// The energy (J) that contact and volumes store where the cloth starts, and that of contact alone, which may begin
+    /// nearer to something than the thickness. Of a start that is refused, 0.
+    fn stored(&mut self, state: &State) -> [Real; 2] {
         let Some(timed) = &mut self.contacts else {
-            return 0.0;
+            return [0.0; 2];
         };
         let step = ContactStep {
             from: &state.positions,
@@ -214,8 +229,12 @@ impl<'a> Course<'a> {
         let (mut start, mut unused) = (state.positions.clone(), state.positions.clone());
         let potential = timed.source.potential();
         match potential.begin(&step, &mut start) {
-            Ok(()) => potential.add_gradient(&state.positions, &mut unused),
-            Err(_) => 0.0,
+            Ok(()) => {
+                let all = potential.add_gradient(&state.positions, &mut unused);
+                let contact = timed.source.contacts.as_potential();
+                [all, contact.add_gradient(&state.positions, &mut unused)]
+            }
+            Err(_) => [0.0; 2],
         }
     }
 
@@ -436,9 +455,11 @@ fn take_steps(
     Plan { dt, steps, forces }: Plan,
     after: &mut dyn FnMut(&Moment<'_>) -> Result<(), BenchError>,
 ) -> Result<(Summary, Scene), BenchError> {
+    scene.refuse_start_inside(state)?;
     let mut course = Course::new(scene)?;
     course.record_forces(forces);
-    let stored = course.stored(state);
+    let [stored, contact_energy_at_start] = course.stored(state);
+    let start_lift = lift(scene, contact_energy_at_start);
     let mut balance = EnergyBalance::new(scene, state, stored)?;
     let start_height = height(scene, state);
     let mut seconds = Vec::with_capacity(steps as usize);
@@ -510,6 +531,8 @@ fn take_steps(
         energy_excess: balance.excess(),
         energy_given: balance.given(),
         energy_gain: balance.gain(),
+        contact_energy_at_start,
+        start_lift,
         center_of_mass_drop: start_height - height(&scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
         obstacle_intersections: crossed_bodies(&scene, &mut body_probe(&scene)?, state)?,
@@ -557,6 +580,14 @@ fn separation(
 fn height(scene: &Scene, state: &State) -> Real {
     let up = -scene.gravity.try_normalize(0.0).unwrap_or_default();
     measure::center_of_mass(&scene.model.particles, &state.positions).dot(&up)
+}
+
+/// How far (m) an energy (J) throws the free vertices up on Earth, if that is farther than the thickness.
+fn lift(scene: &Scene, energy: Real) -> Option<Real> {
+    let (particles, touch) = (&scene.model.particles, scene.touch.as_ref()?);
+    let free = (0..particles.len()).filter(|&v| !particles.is_prescribed(v));
+    let mass: Real = free.map(|v| particles.mass()[v]).sum();
+    Some(energy / (9.81 * mass)).filter(|lift| *lift > touch.thickness())
 }
 
 /// Median of some times; 0 of none.

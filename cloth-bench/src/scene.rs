@@ -5,6 +5,7 @@ mod change;
 mod cloth;
 mod contact;
 pub mod file;
+mod inside;
 mod midpoints;
 pub mod pins;
 mod touching;

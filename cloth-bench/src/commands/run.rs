@@ -28,6 +28,7 @@ Of the numbers that come out:
   elastic_energy       of all elements at the end (J)
   gravity_energy       at the end, relative to the start: −Σ m g·(x − x₀) (J)
   potential_energy     elastic_energy + gravity_energy (J)
+  contact_energy_at_start  of a cloth that starts nearer to itself or to a body than the thickness (J)
   center_of_mass_drop  against gravity (m)
   chebyshev_fallbacks  substeps of pbd and xpbd that gave up their extrapolation because it made the corrections grow
   coarse_builds        coarse grids that pd made anew because pins had changed
@@ -322,6 +323,10 @@ fn simulate(
         ("potential_energy", json!(summary.potential_energy)),
         ("energy_excess", json!(summary.energy_excess)),
         ("energy_given", json!(summary.energy_given)),
+        (
+            "contact_energy_at_start",
+            json!(summary.contact_energy_at_start),
+        ),
         ("center_of_mass_drop", json!(summary.center_of_mass_drop)),
         ("intersections", json!(summary.intersections)),
         (
@@ -376,6 +381,7 @@ fn simulate(
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
     let warnings = [
+        summary.start_warning(),
         summary.energy_warning(),
         summary.budget_warning(),
         summary.pinch_warning(),

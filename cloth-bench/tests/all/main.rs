@@ -51,6 +51,7 @@ mod scene_text;
 mod seam;
 mod settings;
 mod soft_pins;
+mod starts;
 mod stops;
 mod studies;
 mod tangled;
