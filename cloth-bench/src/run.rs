@@ -257,8 +257,12 @@ impl<'a> Course<'a> {
                 .extend(push_of(change, &self.scene).filter(&acts));
             let before = state.clone();
             let scene = self.scene.after(change, state)?;
+            // Vertices that are held already and go on by another path are no news to the solver.
+            let before_it = &self.scene.model.particles;
+            let is_known = matches!(&change.kind, ChangeKind::Hold { vertices, .. }
+                if vertices.iter().all(|&v| before_it.is_prescribed(v)));
             balance.change(&scene, &before, state)?;
-            if !solver.takes(change) {
+            if !is_known && !solver.takes(change) {
                 solver.build(&scene, dt)?;
                 self.rebuilds += 1;
             }

@@ -6,6 +6,7 @@ mod cloth;
 mod contact;
 pub mod file;
 mod inside;
+mod loose;
 mod midpoints;
 pub mod pins;
 mod touching;

@@ -218,6 +218,9 @@ fn simulate(
     for note in scene.touch.iter().flat_map(ContactSetup::notes) {
         eprintln!("note: {note}");
     }
+    if let Some(warning) = scene.border_warning() {
+        eprintln!("warning: {warning}");
+    }
     let mut state = scene.start.clone();
     let mut watch = arguments
         .watch

@@ -15,6 +15,7 @@ mod crossings;
 mod crumpled;
 mod energy;
 mod error;
+mod events;
 #[path = "../support/exact_runs.rs"]
 mod exact_runs;
 mod exclude;
@@ -61,3 +62,4 @@ mod uneven_seams;
 mod untangle;
 mod user_forces;
 mod volume;
+mod weld;
