@@ -91,7 +91,7 @@ pub struct Arguments {
     #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
     export_every: u32,
     /// CSV file for the force, its part along the normals and its friction, and the torque on every body in every step,
-    /// bodies numbered in the order of the scene file; exports in vtk and ply get the forces of contact on every
+    /// bodies numbered in the order of the scene file; exports in vtk, ply and html get the forces of contact on every
     /// vertex
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,

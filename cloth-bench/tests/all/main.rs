@@ -35,6 +35,7 @@ mod mesh_spec;
 mod messages;
 mod method_tables;
 mod names;
+mod page;
 mod pinched;
 #[path = "../support/program.rs"]
 mod program;
