@@ -89,7 +89,7 @@ impl Shown {
             forces
                 .iter()
                 .flatten()
-                .map(|force| (force / largest).sqrt()),
+                .map(|force| (force / largest).sqrt().min(1.0)),
         )
     }
 }
@@ -121,10 +121,13 @@ impl Writer for Page {
         let forces = surfaces
             .iter()
             .flat_map(|shown| shown.forces.iter().flatten());
-        let largest = forces.copied().fold(0.0, Real::max);
+        let mut forces: Vec<Real> = forces.copied().filter(|force| *force > 0.0).collect();
+        forces.sort_by(Real::total_cmp);
+        // Beside the few of an impact all others would be nothing.
+        let largest = forces.get(19 * forces.len() / 20).copied().unwrap_or(0.0);
         let colors = match largest > 0.0 {
             true => format!(
-                " The redder, the larger the force of contact on a vertex: as its square root, up to {largest:.3e} N."
+                " The redder, the larger the force of contact on a vertex: as its square root, up to {largest:.3e} N, which one in twenty exceeds."
             ),
             false => String::new(),
         };

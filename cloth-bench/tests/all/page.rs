@@ -88,7 +88,10 @@ fn page_plays_the_run_with_forces_as_colour() {
         .filter(|film| film["is_cloth"] == true)
         .collect();
     assert_eq!((films.len(), cloth.len()), (3, 2));
-    let largest = forces.iter().flatten().copied().fold(0.0, f64::max);
+    let mut all = forces.concat();
+    all.retain(|force| *force > 0.0);
+    all.sort_by(f64::total_cmp);
+    let largest = all[19 * all.len() / 20];
     assert!(largest > 0.0);
     // The tear is before the seventh step, of which the fourth frame is the first one after it.
     for (film, shown) in cloth.iter().zip([0..4, 4..7]) {
@@ -104,7 +107,7 @@ fn page_plays_the_run_with_forces_as_colour() {
                 let turned = Vec3::new(real.x, -real.z, real.y);
                 assert!((x - turned).amax() < 1e-5, "{frame}: {x} {turned}");
                 let red = f64::from(reds[frame * frames[0].len() + v]);
-                let expected = 255.0 * (forces[frame][v] / largest).sqrt();
+                let expected = 255.0 * (forces[frame][v] / largest).sqrt().min(1.0);
                 assert!((red - expected).abs() < 0.51, "{frame}: {red} {expected}");
             }
         }

@@ -211,7 +211,7 @@ impl NearPairs {
             return;
         };
         let x = path[0];
-        let was_far = self.far.take().is_some();
+        self.far = None;
         if !near.own.self_collision && near.cloth < x.len() {
             let (own, others) = x.split_at(near.cloth);
             let bodies = self.around_bodies.get_or_insert_with(|| Bounds::of(others));
@@ -220,9 +220,6 @@ impl NearPairs {
             if self.far.is_some() {
                 return;
             }
-        }
-        if was_far {
-            patches.forget(x, &near.is_resting);
         }
         patches.choose(near, path, room, |found, nearer| {
             let Pair { kind, vertices } = found.pair;
