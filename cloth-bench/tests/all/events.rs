@@ -113,7 +113,7 @@ fn a_line_tears_out_the_triangles_that_it_crosses() {
     ] {
         let ends = [a, b].map(<[f64; 3]>::from);
         let scene = scene(
-            name,
+            &format!("tear-{name}"),
             &format!("{SHEET}{}", event("tear", 5, &format!("line = {ends:?}\n"))),
         );
         let (mesh, left) = (scene.mesh.as_ref().unwrap(), left(&scene));
@@ -227,6 +227,6 @@ fn events_that_cannot_be_are_refused_with_their_line() {
             "vertices has no meaning for a tear",
         ),
     ] {
-        refused(name, &text(&more), line, words);
+        refused(&format!("event-{name}"), &text(&more), line, words);
     }
 }

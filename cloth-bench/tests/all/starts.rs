@@ -11,7 +11,7 @@ use cloth_core::mesh::{generate, obj};
 
 /// What is said of a start, if it is refused.
 fn refused(name: &str, text: &str) -> Option<String> {
-    let scene = scene(name, text);
+    let scene = scene(&format!("start-{name}"), text);
     let said = ["pd", "xpbd", "symplectic-euler"].map(|method| {
         let method = Method::find(method).unwrap();
         let ran = from_start(
@@ -155,7 +155,7 @@ fn a_start_nearer_than_the_thickness_is_told_with_its_energy() {
         ("far", 4e-3, 0.0),
     ] {
         let text = format!("dt = 0.01\n{SHEET}translate = [0, 0, {z}]\n{floor}");
-        let scene = scene(name, &text);
+        let scene = scene(&format!("start-{name}"), &text);
         for method in ["implicit-euler", "pd", "xpbd"] {
             let (summary, _) = run(&scene, method, &[], 1);
             let told = summary.contact_energy_at_start;
