@@ -42,8 +42,8 @@ pub enum Format {
     Vtk,
     /// One binary glTF 2.0 file with an animation, run.glb, for Blender and the web
     Gltf,
-    /// One page that plays the run, run.html, for a browser; with --forces the cloth is the redder, the larger the force
-    /// of contact on it
+    /// One page that plays the run, run.html, for a browser; with --forces the cloth is the redder, the larger the
+    /// force of contact on it
     Html,
 }
 
@@ -169,8 +169,8 @@ impl Export {
         Ok(export)
     }
 
-    /// Writes what is there after a step, if it is one of those to be written; in `vtk`, `ply` and `html` with the forces of
-    /// contact, where they are recorded.
+    /// Writes what is there after a step, if it is one of those to be written; in `vtk`, `ply` and `html` with the
+    /// forces of contact, where they are recorded.
     ///
     /// # Errors
     /// [`BenchError::Failed`] with the path if it cannot be written.

@@ -5,6 +5,7 @@ mod energy;
 mod load;
 mod parts;
 mod solver;
+mod start;
 mod timed;
 mod untangling;
 mod watch;
@@ -164,17 +165,6 @@ impl Summary {
 }
 
 impl Summary {
-    /// A sentence about a start nearer than the thickness, if contact throws the cloth away from there.
-    #[must_use]
-    pub fn start_warning(&self) -> Option<String> {
-        self.start_lift.map(|lift| {
-            format!(
-                "the cloth starts nearer to itself or to a body than the thickness: contact holds {:.3e} J there, which would throw it {lift:.3} m up; start it farther away, or with a smaller thickness",
-                self.contact_energy_at_start
-            )
-        })
-    }
-
     /// A sentence about steps that ended at their most iterations, if there are so many of them that it is worth a
     /// warning.
     #[must_use]
@@ -463,7 +453,7 @@ fn take_steps(
     let mut course = Course::new(scene)?;
     course.record_forces(forces);
     let [stored, contact_energy_at_start] = course.stored(state);
-    let start_lift = lift(scene, contact_energy_at_start);
+    let start_lift = start::lift(scene, contact_energy_at_start);
     let mut balance = EnergyBalance::new(scene, state, stored)?;
     let start_height = height(scene, state);
     let mut seconds = Vec::with_capacity(steps as usize);
@@ -584,14 +574,6 @@ fn separation(
 fn height(scene: &Scene, state: &State) -> Real {
     let up = -scene.gravity.try_normalize(0.0).unwrap_or_default();
     measure::center_of_mass(&scene.model.particles, &state.positions).dot(&up)
-}
-
-/// How far (m) an energy (J) throws the free vertices up on Earth, if that is farther than the thickness.
-fn lift(scene: &Scene, energy: Real) -> Option<Real> {
-    let (particles, touch) = (&scene.model.particles, scene.touch.as_ref()?);
-    let free = (0..particles.len()).filter(|&v| !particles.is_prescribed(v));
-    let mass: Real = free.map(|v| particles.mass()[v]).sum();
-    Some(energy / (9.81 * mass)).filter(|lift| *lift > touch.thickness())
 }
 
 /// Median of some times; 0 of none.

@@ -127,7 +127,8 @@ impl Writer for Page {
         let largest = forces.get(19 * forces.len() / 20).copied().unwrap_or(0.0);
         let colors = match largest > 0.0 {
             true => format!(
-                " The redder, the larger the force of contact on a vertex: as its square root, up to {largest:.3e} N, which one in twenty exceeds."
+                " The redder, the larger the force of contact on a vertex: as its square root, up to {largest:.3e} \
+                 N, which one in twenty exceeds."
             ),
             false => String::new(),
         };

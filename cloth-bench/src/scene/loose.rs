@@ -66,8 +66,8 @@ impl Scene {
         let pieces = components(mesh.vertex_count(), &edges);
         let pieces = pieces.iter().max().map_or(0, |last| last + 1);
         Some(format!(
-            "{} border vertices lie on others without being one with them, such as {} on {}: there the cloth, of {pieces} \
-             pieces, falls apart; weld = 0 in its [[mesh]] makes them one",
+            "{} border vertices lie on others without being one with them, such as {} on {}: there the cloth, of \
+             {pieces} pieces, falls apart; weld = 0 in its [[mesh]] makes them one",
             doubles.len(),
             a.max(b),
             a.min(b)

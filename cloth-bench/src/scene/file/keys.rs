@@ -39,8 +39,8 @@ crate::settings! {
             "rotation about the origin: its direction is the axis, its length the angle";
         translate: Option<Vec3> = "[0, 0, 0]" "m", "shift, last of all";
         weld: Option<Real> = "none" "m" in AtLeast(0.0),
-            "vertices no farther from each other, after the scale, become the one with the lowest number; those after it \
-             move up";
+            "vertices no farther from each other, after the scale, become the one with the lowest number; those \
+             after it move up";
         pressure: Option<Real> = "none" "Pa",
             "gauge pressure inside a closed piece; with a bulk_modulus when it has its volume at rest, otherwise \
              always, as if a pump kept it; none: 0";
@@ -111,10 +111,10 @@ crate::settings! {
     pub(super) struct Event {
         time: Option<Real> = "needed" "s" in AtLeast(0.0), "when: before the first step that begins then or later";
         deed as "do": Option<Deed> = "needed",
-            "\"grab\" (the chosen vertices are held from now on, wherever they are; with a move or a turn they go on), \
-             \"drag\" (those that are held move and turn from where they are), \"release\" (those that are held, with the \
-             velocity they have) or \"tear\" (triangles vanish: those that a line crosses, or whose middle, at rest, is \
-             in a box, but none that would leave a vertex alone)";
+            "\"grab\" (the chosen vertices are held from now on, wherever they are; with a move or a turn they go \
+             on), \"drag\" (those that are held move and turn from where they are), \"release\" (those that are \
+             held, with the velocity they have) or \"tear\" (triangles vanish: those that a line crosses, or whose \
+             middle, at rest, is in a box, but none that would leave a vertex alone)";
         line: Option<[Vec3; 2]> = "none" "m",
             "of a tear: its two ends, at rest; along edges it takes the triangles to its left";
     }
@@ -288,15 +288,15 @@ pub const SECTIONS: [SectionInfo; 17] = [
     },
     SectionInfo {
         head: "[[event]]",
-        about: "what happens to the cloth at a time: vertices are grabbed, dragged and released, triangles torn out; of these \
-                the mass stays with their corners, and what is inside a closed piece escapes; no tear of a cloth with a \
-                coarse level, which carries a whole mesh",
+        about: "what happens to the cloth at a time: vertices are grabbed, dragged and released, triangles torn \
+                out; of these the mass stays with their corners, and what is inside a closed piece escapes; no tear \
+                of a cloth with a coarse level, which carries a whole mesh",
         keys: &[Event::PARAMETERS, Selection::PARAMETERS, Way::PARAMETERS],
     },
     SectionInfo {
         head: "[[seam]]",
-        about: "two chains of border vertices that are drawn together, and then held together; two vertices that two tables \
-                sew together are left to the first",
+        about: "two chains of border vertices that are drawn together, and then held together; two vertices that \
+                two tables sew together are left to the first",
         keys: &[Seam::PARAMETERS],
     },
     SectionInfo {
