@@ -6,6 +6,7 @@
 //! | `ply` | `00000.ply`, `00001.ply`, … | binary, double precision, where they are recorded with forces of contact (N) as `pressure_x`, …, `friction_z` | MeshLab, Blender, Open3D; `--mesh` |
 //! | `vtk` | `run.pvd`, `cloth_00000.vtp`, … | binary, double precision, with velocities (m/s), times (s) and, where they are recorded, forces of contact (N) | ParaView: open `run.pvd` |
 //! | `gltf` | `run.glb` | single precision, played between the frames | Blender and the web |
+//! | `html` | `run.html` | 16 bits a coordinate; forces of contact as colour, where they are recorded | a browser: a page that plays it |
 //!
 //! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles, animated
 //! ones too, are surfaces of their own, numbered in the order of the scene file: `obstacle1.obj`, or one file a frame
@@ -15,6 +16,7 @@
 //! A run that fails leaves the frames before the failure, complete and playable; a full disk leaves no part of a file.
 
 mod gltf;
+mod page;
 mod sequence;
 mod vtk;
 
@@ -40,6 +42,9 @@ pub enum Format {
     Vtk,
     /// One binary glTF 2.0 file with an animation, run.glb, for Blender and the web
     Gltf,
+    /// One page that plays the run, run.html, for a browser; with --forces the cloth is the redder, the larger the
+    /// force of contact on it
+    Html,
 }
 
 /// Writes states of a scene to a folder.
@@ -147,6 +152,7 @@ impl Export {
             Format::Ply => Box::new(sequence::Sequence::Ply),
             Format::Vtk => Box::new(vtk::Vtk::default()),
             Format::Gltf => Box::new(gltf::Gltf::new(scene.name, scene.gravity)),
+            Format::Html => Box::new(page::Page::new(scene.name, scene.gravity)),
         };
         let mut export = Self {
             folder: Folder::create(folder)?,
@@ -159,8 +165,8 @@ impl Export {
         Ok(export)
     }
 
-    /// Writes what is there after a step, if it is one of those to be written; in `vtk` and `ply` with the forces of
-    /// contact, where they are recorded.
+    /// Writes what is there after a step, if it is one of those to be written; in `vtk`, `ply` and `html` with the
+    /// forces of contact, where they are recorded.
     pub fn after(&mut self, moment: &Moment<'_>) -> Result<(), BenchError> {
         if moment.step.is_multiple_of(self.every) {
             self.take(moment.step, moment.scene, moment.state, moment.forces)

@@ -5,6 +5,7 @@ mod energy;
 mod load;
 mod parts;
 mod solver;
+mod start;
 mod timed;
 mod untangling;
 mod watch;
@@ -100,6 +101,10 @@ pub struct Summary {
     pub energy_given: Real,
     /// The first step after which the cloth moved with energy that it had never been given.
     pub energy_gain: Option<EnergyGain>,
+    /// Energy of contact at the start (J), of cloth that is nearer than the thickness to itself or to a body.
+    pub contact_energy_at_start: Real,
+    /// How far (m) that energy would throw the cloth up on Earth, if that is farther than the thickness.
+    pub start_lift: Option<Real>,
     /// How far the centre of mass fell (m).
     pub center_of_mass_drop: Real,
     /// Crossing pairs of triangles at the end; none measured where the scene has no triangles.
@@ -208,11 +213,11 @@ impl<'a> Course<'a> {
         contacts.for_each(|timed| timed.source.contacts.record_forces(are_wanted));
     }
 
-    /// The energy (J) of contact where the cloth starts: it may begin nearer to something than the thickness. Of a
-    /// start that is refused, 0.
-    fn stored(&mut self, state: &State) -> Real {
+    /// The energy (J) that contact and volumes store where the cloth starts, and that of contact alone, which may begin
+    /// nearer to something than the thickness. Of a start that is refused, 0.
+    fn stored(&mut self, state: &State) -> [Real; 2] {
         let Some(timed) = &mut self.contacts else {
-            return 0.0;
+            return [0.0; 2];
         };
         let step = ContactStep {
             from: &state.positions,
@@ -222,8 +227,12 @@ impl<'a> Course<'a> {
         let (mut start, mut unused) = (state.positions.clone(), state.positions.clone());
         let potential = timed.source.potential();
         match potential.begin(&step, &mut start) {
-            Ok(()) => potential.add_gradient(&state.positions, &mut unused),
-            Err(_) => 0.0,
+            Ok(()) => {
+                let all = potential.add_gradient(&state.positions, &mut unused);
+                let contact = timed.source.contacts.potential();
+                [all, contact.add_gradient(&state.positions, &mut unused)]
+            }
+            Err(_) => [0.0; 2],
         }
     }
 
@@ -246,8 +255,12 @@ impl<'a> Course<'a> {
                 .extend(push_of(change, &self.scene).filter(&acts));
             let before = state.clone();
             let scene = self.scene.after(change, state)?;
+            // Vertices that are held already and go on by another path are no news to the solver.
+            let before_it = &self.scene.model.particles;
+            let is_known = matches!(&change.kind, ChangeKind::Hold { vertices, .. }
+                if vertices.iter().all(|&v| before_it.is_prescribed(v)));
             balance.change(&scene, &before, state)?;
-            if !solver.takes(change) {
+            if !is_known && !solver.takes(change) {
                 solver.build(&scene, dt)?;
                 self.rebuilds += 1;
             }
@@ -440,9 +453,11 @@ fn take_steps(
     Plan { dt, steps, forces }: Plan,
     after: &mut dyn FnMut(&Moment<'_>) -> Result<(), BenchError>,
 ) -> Result<(Summary, Scene), BenchError> {
+    scene.refuse_start_inside(state)?;
     let mut course = Course::new(scene)?;
     course.record_forces(forces);
-    let stored = course.stored(state);
+    let [stored, contact_energy_at_start] = course.stored(state);
+    let start_lift = start::lift(scene, contact_energy_at_start);
     let mut balance = EnergyBalance::new(scene, state, stored)?;
     let start_height = height(scene, state);
     let mut seconds = Vec::with_capacity(steps as usize);
@@ -497,6 +512,8 @@ fn take_steps(
         energy_excess: balance.excess(),
         energy_given: balance.given(),
         energy_gain: balance.gain(),
+        contact_energy_at_start,
+        start_lift,
         center_of_mass_drop: start_height - height(&scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
         obstacle_intersections: crossed_bodies(&scene, &mut body_probe(&scene)?, state)?,

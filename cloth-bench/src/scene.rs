@@ -5,6 +5,8 @@ mod change;
 mod cloth;
 mod contact;
 pub mod file;
+mod inside;
+mod loose;
 mod midpoints;
 pub mod pins;
 mod touching;

@@ -28,6 +28,7 @@ Of the numbers that come out:
   elastic_energy       of all elements at the end (J)
   gravity_energy       at the end, relative to the start: −Σ m g·(x − x₀) (J)
   potential_energy     elastic_energy + gravity_energy (J)
+  contact_energy_at_start  of a cloth that starts nearer to itself or to a body than the thickness (J)
   center_of_mass_drop  against gravity (m)
   chebyshev_fallbacks  substeps of pbd and xpbd that gave up their extrapolation because it made the corrections grow
   coarse_builds        coarse grids that pd made anew because pins had changed
@@ -90,7 +91,7 @@ pub struct Arguments {
     #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
     export_every: u32,
     /// CSV file for the force, its part along the normals and its friction, and the torque on every body in every step,
-    /// bodies numbered in the order of the scene file; exports in vtk and ply get the forces of contact on every
+    /// bodies numbered in the order of the scene file; exports in vtk, ply and html get the forces of contact on every
     /// vertex
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,
@@ -210,6 +211,9 @@ fn simulate(
     for note in scene.touch.iter().flat_map(ContactSetup::notes) {
         eprintln!("note: {note}");
     }
+    if let Some(warning) = scene.border_warning() {
+        eprintln!("warning: {warning}");
+    }
     let mut state = scene.start.clone();
     let watch = arguments.watch.then(|| SeparationWatch::new(scene));
     let mut watch = watch.transpose()?;
@@ -295,8 +299,9 @@ fn simulate(
         ms_per_step_median, contact_ms_median, held_steps, pinched_steps, iterations, iterations_per_step,
         linear_iterations, chebyshev_fallbacks, coarse_builds, coarse_fallbacks, newton_fallbacks, refinements,
         rebuilds, unfinished_steps, converged_steps, max_stretch, rms_strain, kinetic_energy, elastic_energy,
-        gravity_energy, potential_energy, energy_excess, energy_given, center_of_mass_drop, intersections,
-        obstacle_intersections, min_distance, min_clearance, max_seam_gap, max_volume_change,
+        gravity_energy, potential_energy, energy_excess, energy_given, contact_energy_at_start,
+        center_of_mass_drop, intersections, obstacle_intersections, min_distance, min_clearance, max_seam_gap,
+        max_volume_change,
     ));
     pairs.push(("finite", json!(state.first_non_finite().is_none())));
     if let Some(exported) = exported? {
@@ -327,12 +332,14 @@ fn simulate(
         surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
         write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
-    let (energy, budget) = (summary.energy_warning(), summary.budget_warning());
-    let warnings = energy
-        .into_iter()
-        .chain(budget)
-        .chain(summary.pinch_warning());
-    for warning in warnings.chain(crossing_warnings(start, &summary, seen.as_ref())?) {
+    let warnings = [
+        summary.start_warning(),
+        summary.energy_warning(),
+        summary.budget_warning(),
+        summary.pinch_warning(),
+    ];
+    let crossings = crossing_warnings(start, &summary, seen.as_ref())?;
+    for warning in warnings.into_iter().flatten().chain(crossings) {
         eprintln!("warning: {warning}");
     }
     let gain = summary.energy_gain.map(BenchError::failed);

@@ -3,20 +3,20 @@
 // One canvas per player, one part of it per run; what is drawn follows figure.dataset.frame and .state.
 
 const VERTEX_SHADER = `#version 300 es
-in vec3 place; in vec3 normal;
+in vec3 place; in vec3 normal; in float red;
 uniform mat4 camera;
-out vec3 n;
-void main() { n = normal; gl_Position = camera * vec4(place, 1.0); }`;
+out vec3 n; out float r;
+void main() { n = normal; r = red; gl_Position = camera * vec4(place, 1.0); }`;
 
 const FRAGMENT_SHADER = `#version 300 es
 precision highp float;
-in vec3 n;
+in vec3 n; in float r;
 uniform vec3 front, back, light;
 out vec4 color;
 void main() {
   vec3 m = normalize(n) * (gl_FrontFacing ? 1.0 : -1.0);
   float shade = 0.42 + 0.58 * max(dot(m, light), 0.0) + 0.12 * max(-dot(m, light), 0.0);
-  color = vec4((gl_FrontFacing ? front : back) * shade, 1.0);
+  color = vec4(mix(gl_FrontFacing ? front : back, vec3(0.85, 0.1, 0.1), r) * shade, 1.0);
 }`;
 
 const COLORS = {
@@ -40,6 +40,9 @@ class Film {
     this.frames = this.count ? this.coordinates.length / this.count : 0;
     this.places = new Float32Array(this.count);
     this.normals = new Float32Array(this.count);
+    // Of every vertex in every frame, if the film has colours; of the one that is shown.
+    this.allReds = data.reds && new Uint8Array(bytes(data.reds));
+    this.reds = new Float32Array(this.count / 3);
     this.shown = -1;
   }
 
@@ -49,6 +52,7 @@ class Film {
     this.shown = frame;
     const from = frame * this.count, x = this.places, n = this.normals;
     for (let i = 0; i < this.count; i++) x[i] = this.low[i % 3] + this.scale[i % 3] * this.coordinates[from + i];
+    if (this.allReds) for (let i = 0; i < this.count / 3; i++) this.reds[i] = this.allReds[from / 3 + i] / 255;
     n.fill(0);
     for (let t = 0; t < this.triangles.length; t += 3) {
       const [a, b, c] = [3 * this.triangles[t], 3 * this.triangles[t + 1], 3 * this.triangles[t + 2]];
@@ -121,12 +125,12 @@ class Player {
     for (const film of this.tracks.flat()) {
       film.array = gl.createVertexArray();
       gl.bindVertexArray(film.array);
-      film.buffers = ["place", "normal"].map(name => {
+      film.buffers = [["place", 3], ["normal", 3], ["red", 1]].map(([name, size]) => {
         const at = gl.getAttribLocation(program, name), buffer = gl.createBuffer();
         gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-        gl.bufferData(gl.ARRAY_BUFFER, 4 * film.count, gl.DYNAMIC_DRAW);
+        gl.bufferData(gl.ARRAY_BUFFER, 4 * film.count * size / 3, gl.DYNAMIC_DRAW);
         gl.enableVertexAttribArray(at);
-        gl.vertexAttribPointer(at, 3, gl.FLOAT, false, 0, 0);
+        gl.vertexAttribPointer(at, size, gl.FLOAT, false, 0, 0);
         return buffer;
       });
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
@@ -215,7 +219,7 @@ class Player {
       gl.uniformMatrix4fv(this.uniforms.camera, false, camera);
       for (const film of films) {
         gl.bindVertexArray(film.array);
-        if (film.show(this.frame)) [film.places, film.normals].forEach((numbers, i) => {
+        if (film.show(this.frame)) [film.places, film.normals, film.reds].forEach((numbers, i) => {
           gl.bindBuffer(gl.ARRAY_BUFFER, film.buffers[i]);
           gl.bufferSubData(gl.ARRAY_BUFFER, 0, numbers);
         });

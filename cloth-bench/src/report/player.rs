@@ -42,6 +42,9 @@ pub struct Film {
     triangles: String,
     /// Coordinates, frame after frame: whole numbers of 16 bits, lowest byte first, as base64.
     frames: String,
+    /// How red each vertex is, frame after frame, in 255ths, as base64; none of a film without such colours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reds: Option<String>,
 }
 
 impl Film {
@@ -53,6 +56,16 @@ impl Film {
     /// A film of an obstacle.
     pub fn of_obstacle(triangles: &[[u32; 3]], frames: &[Vec<Vec3>]) -> Self {
         Self::new(false, triangles, frames)
+    }
+
+    /// The same where each vertex in each frame, one after the other, is red by these fractions, from 0 to 1.
+    #[must_use]
+    pub fn with_colors(self, fractions: impl Iterator<Item = f64>) -> Self {
+        let reds: Vec<u8> = fractions.map(|red| (255.0 * red).round() as u8).collect();
+        Self {
+            reds: Some(base64(&reds)),
+            ..self
+        }
     }
 
     fn new(is_cloth: bool, triangles: &[[u32; 3]], frames: &[Vec<Vec3>]) -> Self {
@@ -75,6 +88,7 @@ impl Film {
             size: size.into(),
             triangles: base64(&corners.collect::<Vec<u8>>()),
             frames: base64(&coordinates.collect::<Vec<u8>>()),
+            reds: None,
         }
     }
 }

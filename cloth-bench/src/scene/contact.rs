@@ -71,8 +71,8 @@ pub(super) enum Body {
         surface: TriMesh,
         /// Mass and inertia, if the cloth can push it.
         free: Option<Box<RigidBody>>,
-        /// Whether its signed distance at the vertices of the cloth is all there is to it.
-        is_flat: bool,
+        /// As a scene file calls its shape. Of a plane the signed distance at the vertices of the cloth is all there is.
+        kind: &'static str,
         /// Coefficient of friction of its own (dimensionless).
         friction: Option<Real>,
         /// Why it has no inside, if it has none.
@@ -80,6 +80,17 @@ pub(super) enum Body {
     },
     /// A surface that changes its shape, and its coefficient of friction.
     Animated(TriMesh, AnimatedMesh, Option<Real>),
+}
+
+/// A rigid body as messages name it.
+pub(super) struct NamedBody<'a> {
+    /// In the scene, from 0.
+    pub(super) number: usize,
+    /// As a scene file calls its shape.
+    pub(super) kind: &'static str,
+    pub(super) obstacle: &'a Obstacle,
+    /// Whether triangles of the cloth touch its own.
+    pub(super) has_triangles: bool,
 }
 
 /// Splits of an icosahedron's edges so fine that its sphere (m) comes out of no triangle by more than a quarter of the
@@ -122,6 +133,8 @@ pub struct ContactSetup {
     frictions: Vec<Real>,
     /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
     shapes: Vec<(TriMesh, bool)>,
+    /// As a scene file calls their shapes.
+    kinds: Vec<&'static str>,
     /// Those of them that the cloth pushes, by their numbers.
     free: Vec<(usize, RigidBody)>,
     /// Of these on their contact (rad/s); 0 without any.
@@ -148,6 +161,7 @@ impl ContactSetup {
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         let (mut obstacles, mut frictions, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         let (mut rigid_numbers, mut animated_numbers) = (Vec::new(), Vec::new());
+        let mut kinds = Vec::new();
         let mut is_common_friction_felt = *own.collides;
         let mut friction_of = |own: Option<Real>| {
             is_common_friction_felt |= own.is_none();
@@ -159,7 +173,7 @@ impl ContactSetup {
                     obstacle,
                     surface,
                     free,
-                    is_flat,
+                    kind,
                     friction,
                     why_hollow,
                 } => {
@@ -171,7 +185,8 @@ impl ContactSetup {
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
                     rigid_numbers.push(number);
                     obstacles.push(obstacle);
-                    shapes.push((surface, !is_flat));
+                    kinds.push(kind);
+                    shapes.push((surface, kind != "plane"));
                 }
                 Body::Animated(mesh, animation, friction) => {
                     animated_numbers.push(number);
@@ -218,6 +233,7 @@ impl ContactSetup {
             obstacles,
             frictions,
             shapes,
+            kinds,
             free: free_bodies,
             highest_frequency,
             animated,
@@ -373,6 +389,18 @@ impl ContactSetup {
                 .map_err(BenchError::failed)?;
         }
         Ok(())
+    }
+
+    /// The obstacles, with what is said of them.
+    pub(super) fn rigid_bodies(&self) -> impl Iterator<Item = NamedBody<'_>> + '_ {
+        let known = self.obstacles().zip(&self.shapes).zip(&self.kinds);
+        let known = known.zip(&self.numbers);
+        known.map(|(((obstacle, shape), &kind), &number)| NamedBody {
+            number,
+            kind,
+            obstacle,
+            has_triangles: shape.1,
+        })
     }
 
     /// The obstacles where they start, and those that the cloth pushes on the path that they are on now.

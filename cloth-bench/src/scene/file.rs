@@ -8,6 +8,7 @@
 mod air;
 mod build;
 mod document;
+mod event;
 mod force;
 mod gas;
 mod keys;

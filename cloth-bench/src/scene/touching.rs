@@ -50,12 +50,12 @@ pub(super) fn below(
             orientation: turned,
         })
     };
-    let (obstacle, shape) = match kind {
+    let (name, obstacle, shape) = match kind {
         Below::Sphere => {
             let sphere = Sphere::new(RADIUS).map_err(BenchError::failed)?;
             let shape =
                 generate::sphere(splits(RADIUS, thickness), RADIUS).map_err(BenchError::failed)?;
-            (Obstacle::moving(sphere, still(at(RADIUS))), shape)
+            ("sphere", Obstacle::moving(sphere, still(at(RADIUS))), shape)
         }
         Below::TurningBox => {
             let cuboid = Cuboid::new(HALF_EDGES.into()).map_err(BenchError::failed)?;
@@ -64,6 +64,7 @@ pub(super) fn below(
                 ..still(at(HALF_EDGES[2]))
             };
             (
+                "box",
                 Obstacle::moving(cuboid, motion),
                 generate::cuboid(HALF_EDGES).map_err(BenchError::failed)?,
             )
@@ -72,6 +73,7 @@ pub(super) fn below(
             let size = 1.5 * (high - low).norm();
             let plane = HalfSpace::new(Vec3::z()).map_err(BenchError::failed)?;
             (
+                "plane",
                 Obstacle::moving(plane, still(at(*depth))),
                 centred([1, 1], [size; 2], Diagonals::OneWay)?,
             )
@@ -82,7 +84,7 @@ pub(super) fn below(
         obstacle: obstacle.map_err(BenchError::usage)?,
         surface: shape,
         free: None,
-        is_flat: matches!(kind, Below::Floor(_)),
+        kind: name,
         friction: None,
     })
 }

@@ -85,7 +85,7 @@ fn what_is_torn_off_falls() {
     let text = format!(
         "{STRIP}[cloth]\nstiffness = 1000\n[[pins]]\nbox = [[-1, -1, 0.79], [1, 1, 1]]\n\
          [[pins]]\nbox = [[-1, -1, -1], [1, 1, 0.31]]\nuntil = 1e-3\n\
-         [[tear]]\ntime = 0\nbox = [[-1, -1, 0.3], [1, 1, 0.4]]\n"
+         [[event]]\ndo = \"tear\"\ntime = 0\nbox = [[-1, -1, 0.3], [1, 1, 0.4]]\n"
     );
     let scene = scene("torn", &text);
     // The rows from below: the generator goes upwards.
@@ -165,7 +165,7 @@ fn what_is_wrong_with_a_change_is_said_with_its_line() {
         message.contains("line 7") && message.contains("at the same time"),
         "{message}"
     );
-    let tear = |text: &str| refused("tear", &format!("{STRIP}[[tear]]\n{text}"));
+    let tear = |text: &str| refused("tear", &format!("{STRIP}[[event]]\ndo = \"tear\"\n{text}"));
     let message = tear("box = [[0, 0, 0], [1, 1, 1]]\n");
     assert!(message.contains("needs a time"), "{message}");
     let message = tear("time = 1\n");

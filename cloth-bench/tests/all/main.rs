@@ -15,6 +15,7 @@ mod crossings;
 mod crumpled;
 mod energy;
 mod error;
+mod events;
 #[path = "../support/exact_runs.rs"]
 mod exact_runs;
 mod exclude;
@@ -34,6 +35,7 @@ mod mesh_spec;
 mod messages;
 mod method_tables;
 mod names;
+mod page;
 mod pinched;
 #[path = "../support/program.rs"]
 mod program;
@@ -51,6 +53,7 @@ mod scene_text;
 mod seam;
 mod settings;
 mod soft_pins;
+mod starts;
 mod stops;
 mod studies;
 mod tangled;
@@ -60,3 +63,4 @@ mod uneven_seams;
 mod untangle;
 mod user_forces;
 mod volume;
+mod weld;

@@ -442,12 +442,12 @@ fn corner_close_to_its_own_cloth_crosses_it_with_no_method() {
     let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 2 1\nv 0.2 0.2 5e-6\nv 0.3 0.2 0.5\nf 1 2 3\nf 2 4 3\nf 4 5 6\n";
     for gravity in [9.81, 12.0] {
         let scene = format!(
-            "dt = 1e-3\nsteps = 30\ngravity = [0, 0, -{gravity}]\n[[mesh]]\nfile = \"corner.obj\"\n\
+            "dt = 1e-3\nsteps = 30\ngravity = [0, 0, -{gravity}]\n[[mesh]]\nfile = \"corner-close.obj\"\n\
              [[pins]]\nvertices = [0, 1, 2, 3, 5]\n\
              [contact]\nself = true\nthickness = 1e-3\n"
         );
-        let path = written("corner", &scene);
-        std::fs::write(path.with_file_name("corner.obj"), mesh).unwrap();
+        let path = written("corner-close", &scene);
+        std::fs::write(path.with_file_name("corner-close.obj"), mesh).unwrap();
         let path = path.to_str().unwrap();
         // Forward Euler refuses every step as unstable.
         for method in METHODS.iter().filter(|m| m.name != "explicit-euler") {

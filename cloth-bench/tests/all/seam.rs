@@ -271,7 +271,7 @@ fn a_seam_that_is_closed_at_the_start_falls_without_a_push() {
 
 #[test]
 fn a_tear_and_a_hand_leave_seams_as_they_are() {
-    let more = "until = 0.1\n[[tear]]\ntime = 0.05\nbox = [[0.06, 0.11, -1], [0.09, 0.14, 1]]\n\
+    let more = "until = 0.1\n[[event]]\ndo = \"tear\"\ntime = 0.05\nbox = [[0.06, 0.11, -1], [0.09, 0.14, 1]]\n\
          [[pins]]\nvertices = [0]\nfrom = 0.03\nuntil = 0.12\n";
     let scene = build("torn", &two_free(more)).unwrap();
     for name in ["implicit-euler", "xpbd", "pd"] {
@@ -394,6 +394,27 @@ fn what_is_wrong_with_a_seam_is_said_with_line_and_key() {
         let place = format!("{name}.toml: line {line}: ");
         assert!(told.contains(&place) && told.contains(words), "{told}");
     }
+}
+
+/// Four seams along the sides of a pillow share its corners: every pair is sewn once, as by one seam all the way round.
+#[test]
+fn seams_that_meet_at_corners_sew_every_pair_once() {
+    let sheet = "[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n";
+    let sewn = |chains: &[&str]| {
+        let seam = |chain: &&str| {
+            format!(
+                "[[seam]]\nmeshes = [0, 1]\nfirst_border = {chain}\nsecond_border = {chain}\nuntil = 1\n"
+            )
+        };
+        let seams: String = chains.iter().map(seam).collect();
+        let text = format!("{sheet}{sheet}translate = [0, 0, 0.1]\n{seams}");
+        let mut pairs = build("pillow", &text).unwrap().sewn();
+        pairs.sort_unstable();
+        pairs
+    };
+    let sides = sewn(&["[0, 4]", "[4, 24]", "[24, 20]", "[20, 0]"]);
+    assert_eq!(sides.len(), 16);
+    assert_eq!(sides, sewn(&["[0, 4, 0]"]));
 }
 
 #[test]

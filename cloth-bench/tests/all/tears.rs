@@ -29,7 +29,7 @@ fn links_carry_what_a_tear_has_left() {
     let text = format!(
         "dt = 0.01\n{strip}{strip}translate = [0, 0, -0.7]\n[cloth]\nstiffness = 1000\n\
          [[pins]]\nvertices = {:?}\n[[link]]\nmeshes = [0, 1]\nfirst = [0, 1, 2]\nsecond = [18, 19, 20]\n\
-         stiffness = 2000\n[[tear]]\ntime = 0.01\nbox = [[-1, -1, -0.5], [1, 1, -0.4]]\n",
+         stiffness = 2000\n[[event]]\ndo = \"tear\"\ntime = 0.01\nbox = [[-1, -1, -0.5], [1, 1, -0.4]]\n",
         (0..21).collect::<Vec<u32>>()
     );
     let before = scene("linked", &text);
@@ -81,7 +81,7 @@ fn what_is_inside_escapes_from_a_torn_piece_alone() {
         let ball = format!("[[mesh]]\ngenerator = \"sphere:4\"\nscale = 0.2\n{inside}");
         let text = format!(
             "dt = 0.005\ngravity = [0, 0, 0]\n{ball}{ball}translate = [1, 0, 0]\n\
-             [cloth]\nmodulus = 2000\n[[tear]]\ntime = 0.05\nbox = [{low:?}, {high:?}]\n"
+             [cloth]\nmodulus = 2000\n[[event]]\ndo = \"tear\"\ntime = 0.05\nbox = [{low:?}, {high:?}]\n"
         );
         let before = scene("two-balls", &text);
         assert_eq!(before.gases.len() + before.volumes.len(), 2);
@@ -111,7 +111,7 @@ fn a_tear_beside_a_free_body_keeps_the_momentum() {
     let text = "dt = 0.01\ngravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:13x13:alternating\"\nscale = 0.4\n\
          translate = [-0.17, -0.23, 0.08]\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.06\nmass = 0.04\n\
          velocity = [0, 0, 2]\nangular_velocity = [1, 0, 3]\n\
-         [[tear]]\ntime = 0.08\nbox = [[-0.1033, -0.1633, -1], [-0.07, -0.13, 1]]\n";
+         [[event]]\ndo = \"tear\"\ntime = 0.08\nbox = [[-0.1033, -0.1633, -1], [-0.07, -0.13, 1]]\n";
     let scene = scene("torn-flight", text);
     let start = Vec3::z() * 0.08;
     for (method, settings, bound) in [
@@ -151,7 +151,7 @@ fn a_tear_beside_a_free_body_keeps_the_momentum() {
 fn bodies_move_on_beside_a_tear() {
     let sheet = "dt = 0.01\ngravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:13x13:alternating\"\n\
          translate = [-0.5, -0.5, 0]\n[cloth]\nstiffness = 500\n[[pins]]\nselect = \"border\"\n\
-         [[tear]]\ntime = 0.2\nbox = [[-0.41, -0.41, -1], [-0.34, -0.34, 1]]\n[[obstacle]]\n";
+         [[event]]\ndo = \"tear\"\ntime = 0.2\nbox = [[-0.41, -0.41, -1], [-0.34, -0.34, 1]]\n[[obstacle]]\n";
     let rigid =
         "shape = \"sphere\"\nradius = 0.1\nposition = [0, 0, -0.15]\nvelocity = [0, 0, 0.8]\n";
     let animated = "shape = \"animation\"\nfolder = \"rising\"\ninterval = 0.4\n";
@@ -189,8 +189,8 @@ fn bodies_move_on_beside_a_tear() {
 #[test]
 fn a_gltf_animation_loses_what_is_torn_out() {
     let text = "dt = 0.01\nsteps = 8\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n[[pins]]\nselect = \"corners\"\n\
-         [[tear]]\ntime = 0.03\nbox = [[0.3, 0.3, -1], [0.45, 0.45, 1]]\n\
-         [[tear]]\ntime = 0.05\nbox = [[0.55, 0.55, -1], [0.7, 0.7, 1]]\n";
+         [[event]]\ndo = \"tear\"\ntime = 0.03\nbox = [[0.3, 0.3, -1], [0.45, 0.45, 1]]\n\
+         [[event]]\ndo = \"tear\"\ntime = 0.05\nbox = [[0.55, 0.55, -1], [0.7, 0.7, 1]]\n";
     let path = written("torn-export", text);
     let export = |format: &str| {
         let to = path.with_file_name(format!("torn-{format}"));
@@ -254,18 +254,19 @@ fn a_gltf_animation_loses_what_is_torn_out() {
 
 #[test]
 fn what_cannot_be_torn_is_said_with_the_reason() {
-    let tear = "[[mesh]]\ngenerator = \"grid:9x9:alternating\"\n[[tear]]\ntime = 1\n";
+    let tear =
+        "[[mesh]]\ngenerator = \"grid:9x9:alternating\"\n[[event]]\ndo = \"tear\"\ntime = 1\n";
     for (name, more, line, words) in [
         (
             "level",
             "box = [[0.37, 0.37, -1], [0.51, 0.51, 1]]\n[cloth]\nlevel = 1\n",
-            7,
+            8,
             "a coarse level carries a whole mesh",
         ),
         (
             "corner",
             "box = [[0, 0, -1], [0.2, 0.2, 1]]\n",
-            5,
+            6,
             "would be left without a triangle",
         ),
     ] {

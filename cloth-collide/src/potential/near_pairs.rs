@@ -53,6 +53,10 @@ pub(super) struct NearPairs {
     place: Vec<Vec3>,
     /// How far vertices of bodies, which have been put where they end since, are from there at most (m).
     behind: Option<Real>,
+    /// How far (m) from contact a cloth that does not touch itself was there with all bodies, where it was so far that
+    /// patches were not asked; and the box around bodies, where these stay.
+    far: Option<Real>,
+    around_bodies: Option<Bounds>,
     /// Whether they were chosen for where obstacles are now.
     is_chosen: bool,
     reach: Vec<Real>,
@@ -121,9 +125,21 @@ impl NearPairs {
             }
         }
         let [from, to] = path;
-        self.choose(near, path, room);
-        from.clone_into(&mut self.place);
-        self.behind = None;
+        let stayed = stay && self.behind == Some(0.0);
+        if !stayed {
+            self.around_bodies = None;
+        }
+        let goes = match stay && count < from.len() {
+            true => farthest(&from[..count], &to[..count]),
+            false => longest(path),
+        };
+        self.choose(near, path, [goes, room]);
+        match stayed {
+            true => self.place[..count].copy_from_slice(&from[..count]),
+            false => from.clone_into(&mut self.place),
+        }
+        // Bodies that stay are on all paths where they are on this one.
+        self.behind = (stay && count < from.len()).then_some(0.0);
         self.is_chosen = true;
         self.spent = 0;
         self.reach.clear();
@@ -132,7 +148,7 @@ impl NearPairs {
             .extend(displacements.map(|(a, b)| (b - a).norm() + room));
         self.choose_obstacles(near, obstacles);
         self.choices += 1;
-        self.wake([0.0, longest(path)]);
+        self.wake([0.0, goes]);
     }
 
     /// How far (m) a vertex of the first `count` is from where pairs were chosen, at most, besides what all do together;
@@ -141,10 +157,6 @@ impl NearPairs {
         if count == x.len() {
             return longest([&self.place, x]);
         }
-        let farthest = |a: &[Vec3], b: &[Vec3]| {
-            let squares = a.iter().zip(b).map(|(a, b)| (b - a).norm_squared());
-            squares.fold(0.0, Real::max).sqrt()
-        };
         let behind = self
             .behind
             .get_or_insert_with(|| farthest(&self.place[count..], &x[count..]));
@@ -179,6 +191,9 @@ impl NearPairs {
         if bodies && !displacements.all(|holds| holds) {
             return false;
         }
+        if let Some(far) = self.far {
+            return 2.0 * moved <= far;
+        }
         // Mostly this is enough: any two parts may come nearer by two rooms, wherever they are.
         if moved <= room {
             return true;
@@ -188,13 +203,24 @@ impl NearPairs {
     }
 
     /// Keeps the pairs that can be nearer than their thickness.
-    fn choose(&mut self, near: &Near, path: [&[Vec3]; 2], room: Real) {
+    /// No vertex `goes` farther (m) on the path, besides what all do together.
+    fn choose(&mut self, near: &Near, path: [&[Vec3]; 2], [goes, room]: [Real; 2]) {
         self.vertex_triangle.clear();
         self.edge_edge.clear();
         let Some(patches) = &mut self.patches else {
             return;
         };
         let x = path[0];
+        self.far = None;
+        if !near.own.self_collision && near.cloth < x.len() {
+            let (own, others) = x.split_at(near.cloth);
+            let bodies = self.around_bodies.get_or_insert_with(|| Bounds::of(others));
+            let far = Bounds::of(own).squared_gap(bodies).sqrt() - near.law.range();
+            self.far = Some(far).filter(|far| 2.0 * (goes + room) < *far);
+            if self.far.is_some() {
+                return;
+            }
+        }
         patches.choose(near, path, room, |found, nearer| {
             let Pair { kind, vertices } = found.pair;
             let places = gather(x, vertices);
@@ -278,6 +304,12 @@ fn longest([from, to]: [&[Vec3]; 2]) -> Real {
     let displacements = from.iter().zip(to);
     let most = displacements.map(|(a, b)| (b - a - shift).norm_squared());
     most.fold(0.0, Real::max).sqrt()
+}
+
+/// How far (m) a vertex goes, at most.
+fn farthest(from: &[Vec3], to: &[Vec3]) -> Real {
+    let squares = from.iter().zip(to).map(|(a, b)| (b - a).norm_squared());
+    squares.fold(0.0, Real::max).sqrt()
 }
 
 /// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around

@@ -262,6 +262,14 @@ impl ContactPotential for Contacts {
 }
 
 impl Contacts {
+    /// Whether nothing that is evaluated has a vertex of a body's surface.
+    pub(super) fn is_clear_of_surfaces(&self) -> bool {
+        let is_own = |v: &u32| (*v as usize) < self.near.cloth;
+        let mut pairs = self.pairs.iter();
+        pairs.all(|chosen| chosen.contact.pair.vertices.iter().all(is_own))
+            && self.sticking.iter().all(|s| s.vertices.iter().all(is_own))
+    }
+
     /// The part of paths (m) that is looked at: they are too long beyond.
     fn share(&self, from: &[Vec3], to: &[Vec3]) -> Real {
         let (from, to) = (self.near.own(from), self.near.own(to));

@@ -455,6 +455,9 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        if self.contacts.is_clear_of_surfaces() {
+            return self.contacts.add_gradient(x, out);
+        }
         let surfaces = &self.surfaces;
         let mut shared = surfaces.shared();
         let [place, gradient] = &mut *shared;
@@ -466,6 +469,9 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
+        if self.contacts.is_clear_of_surfaces() {
+            return self.contacts.linearize(x, out);
+        }
         let surfaces = &self.surfaces;
         let first = out.len();
         let mut shared = surfaces.shared();

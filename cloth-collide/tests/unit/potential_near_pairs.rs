@@ -1,4 +1,4 @@
-use super::super::near::Own;
+use super::super::near::{Own, Side};
 use super::*;
 use crate::incidence::edge_numbers;
 use crate::obstacle::PenaltyLaw;
@@ -237,4 +237,58 @@ fn cloth_that_flies_is_looked_at_once() {
     let patches = pairs.patches.as_ref().unwrap();
     assert_eq!(patches.searches, 1);
     assert_eq!(patches.detections as usize, patches.count());
+}
+
+/// A sheet comes down on a body in hops: far from it patches are not asked, and no pair is lost where it is near.
+#[test]
+fn pairs_with_a_body_are_complete_after_a_way_on_which_nothing_was_near() {
+    let sheet = grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let at = |z: Real| sheet.positions().iter().map(move |x| x + Vec3::z() * z);
+    let joined = |z: Real| -> Vec<Vec3> { at(z).chain(at(0.0)).collect() };
+    let count = sheet.vertex_count() as u32;
+    let of_body = sheet.triangles().iter().map(|t| t.map(|v| v + count));
+    let triangles = sheet.triangles().iter().copied().chain(of_body);
+    let mesh = TriMesh::new(joined(3.0), triangles.collect()).unwrap();
+    let law = PenaltyLaw::new(1e6, 0.05).unwrap();
+    let side = Side {
+        error_bound: Real::INFINITY,
+        friction: 0.0,
+        body: 0,
+    };
+    let mut near = Near::new(&mesh, law, vec![side; count as usize], Own::default());
+    let free: Vec<Real> = (0..2 * count)
+        .map(|v| Real::from(u8::from(v < count)))
+        .collect();
+    near.begin(&free);
+    let mut pairs = pairs_of(&mesh, &near);
+    let heights = [
+        3.0, 2.5, 2.4, 1.0, 0.4, 0.39, 0.2, 0.08, 0.03, 0.02, 0.5, 2.0, 2.0, 0.04, 0.01,
+    ];
+    let (mut far, mut found) = (0, 0);
+    for (step, ends) in heights.windows(2).enumerate() {
+        let [from, to] = [ends[0], ends[1]].map(joined);
+        // Steps of two paths each.
+        if step % 2 == 0 {
+            pairs.begin(&from, &near.is_resting, step > 0);
+            pairs.prepare(&near, [&from, &from], &[], false);
+        }
+        pairs.prepare(&near, [&from, &to], &[], true);
+        far += u32::from(pairs.far.is_some());
+        let kept: HashSet<[u32; 4]> = pairs.iter_at(&to).map(|p| p.pair.vertices).collect();
+        for vertex in 0..count {
+            for corners in &mesh.triangles()[sheet.triangle_count()..] {
+                let vertices = [vertex, corners[0], corners[1], corners[2]];
+                let pair = Pair {
+                    kind: QueryKind::VertexTriangle,
+                    vertices,
+                };
+                let gap = Gap::new(pair.kind, &gather(&to, vertices));
+                if gap.distance < near.range_of(pair) {
+                    found += 1;
+                    assert!(kept.contains(&vertices), "{step}: {vertices:?}");
+                }
+            }
+        }
+    }
+    assert!(far > 2 && found > 1000, "{far} {found}");
 }

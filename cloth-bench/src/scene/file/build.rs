@@ -4,7 +4,8 @@ use super::document::{Document, Section};
 use super::keys::{MESH_CLOTH, MESH_CONTACT, Obstacle, SECTIONS, Top, overrulable};
 use super::material::Material;
 use super::{
-    air, force, gas, link, mass, mesh, methods, obstacles, pins, roughness, seam, start, tear,
+    air, event, force, gas, link, mass, mesh, methods, obstacles, pins, roughness, seam, start,
+    tear,
 };
 use crate::bounds::bounds;
 use crate::error::BenchError;
@@ -66,7 +67,7 @@ struct Sections<'a> {
     pins: Vec<Section<'a>>,
     masses: Vec<Section<'a>>,
     forces: Vec<Section<'a>>,
-    tears: Vec<Section<'a>>,
+    events: Vec<Section<'a>>,
     seams: Vec<Section<'a>>,
     links: Vec<Section<'a>>,
     start: Section<'a>,
@@ -89,7 +90,7 @@ impl<'a> Sections<'a> {
             pins,
             masses,
             forces,
-            tears,
+            events,
             seams,
             links,
             start,
@@ -148,7 +149,7 @@ impl<'a> Sections<'a> {
             pins: all(pins)?,
             masses: all(masses)?,
             forces: all(forces)?,
-            tears: all(tears)?,
+            events: all(events)?,
             seams: all(seams)?,
             links: all(links)?,
             start: one(start)?,
@@ -191,7 +192,7 @@ impl<'a> Sections<'a> {
             .chain(&self.pins)
             .chain(&self.masses)
             .chain(&self.forces)
-            .chain(&self.tears)
+            .chain(&self.events)
             .chain(&self.seams)
             .chain(&self.links)
             .chain(&self.obstacles);
@@ -232,12 +233,16 @@ impl<'a> Sections<'a> {
         for section in &self.forces {
             pushed.push(pins::chosen(section, &mesh, up)?);
         }
+        let mut grasped = Vec::new();
+        for section in &self.events {
+            grasped.push(event::chosen(section, &mesh, up)?);
+        }
         let borders = seam::Borders::new(&self.seams, &mesh, &counts)?;
         let mut seams = Vec::new();
         for (section, borders) in self.seams.iter().zip(borders.iter().cycle()) {
             seams.push(borders.ends(section)?);
         }
-        seam::refuse_repeated(&self.seams, &seams)?;
+        seam::sew_once(&self.seams, &mut seams)?;
         let mut links = Vec::new();
         for section in &self.links {
             links.extend(link::springs(section, &counts, &mesh)?);
@@ -247,7 +252,7 @@ impl<'a> Sections<'a> {
         let mesh = match &order {
             Some(order) => {
                 let chosen = held.iter_mut().chain(&mut pushed).chain(&mut weighted);
-                for vertex in chosen.flatten() {
+                for vertex in chosen.chain(&mut grasped).flatten() {
                     *vertex = order.new_of_old()[*vertex] as usize;
                 }
                 material.reorder(order);
@@ -263,12 +268,15 @@ impl<'a> Sections<'a> {
         model.fasten([Elements::Links(links)]);
         let inside = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
         let (gases, volumes) = gas::left(&inside, &vec![true; mesh.triangles().len()]);
-        let mut changes = tear::tears(&self.tears, &material, &mesh, &inside)?;
+        let mut changes = tear::tears(&self.events, &material, &mesh, &inside)?;
         let mut ways = Pins::new();
         let holds = self.pins.iter().zip(held);
         let holds = holds.map(|(section, vertices)| pins::hold(section, vertices));
         let holds: Vec<pins::Hold> = holds.collect::<Result<_, _>>()?;
-        pins::refuse_overlap(&self.pins, &holds)?;
+        let name = |v: usize| order.as_ref().map_or(v, |o| o.old_of_new()[v] as usize);
+        pins::refuse_overlap(&self.pins, &holds, name)?;
+        let timed = holds.iter().filter(|hold| hold.is_timed());
+        let timed: Vec<usize> = timed.flat_map(|hold| hold.vertices.clone()).collect();
         for (section, hold) in self.pins.iter().zip(holds) {
             hold.apply(
                 section,
@@ -278,6 +286,8 @@ impl<'a> Sections<'a> {
                 &mut changes,
             )?;
         }
+        let known = (&model.particles, &timed[..]);
+        changes.extend(event::changes(&self.events, grasped, known, name)?);
         for (section, vertices) in self.forces.iter().zip(pushed) {
             let push = force::push(section, vertices, &model.particles, &changes)?;
             changes.push(push);

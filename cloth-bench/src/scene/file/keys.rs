@@ -38,6 +38,9 @@ crate::settings! {
         rotate: Option<Vec3> = "[0, 0, 0]" "rad",
             "rotation about the origin: its direction is the axis, its length the angle";
         translate: Option<Vec3> = "[0, 0, 0]" "m", "shift, last of all";
+        weld: Option<Real> = "none" "m" in AtLeast(0.0),
+            "vertices no farther from each other, after the scale, become the one with the lowest number; those \
+             after it move up";
         pressure: Option<Real> = "none" "Pa",
             "gauge pressure inside a closed piece; with a bulk_modulus when it has its volume at rest, otherwise \
              always, as if a pump kept it; none: 0";
@@ -74,14 +77,17 @@ crate::settings! {
         corners as "box": Option<[Vec3; 2]> = "none" "m",
             "two corners such as [[0, 0, 0], [1, 1, 1]]: all vertices in between";
     }
-    /// Of `[[pins]]`.
-    pub(super) struct Hold {
+    /// Of vertices that are held and move.
+    pub(super) struct Way {
         shift as "move": Option<Vec3> = "[0, 0, 0]" "m", "shift within the duration";
         turn: Option<Vec3> = "[0, 0, 0]" "rad",
             "rotation within the duration: its direction is the axis, its length the angle, any number of turns";
         centre: Option<Vec3> = "[0, 0, 0]" "m", "a point on the axis of the turn";
         duration: Real = 1 "s" in Above(0.0),
-            "how long shift and turn take, at a constant rate; the pins rest after it";
+            "how long shift and turn take, at a constant rate; the vertices rest after it";
+    }
+    /// Of `[[pins]]`.
+    pub(super) struct Hold {
         stiffness: Or<Infinite, Real> = "inf" "N/m" in Above(0.0),
             "of the spring by which each vertex is tied to the place where it would be held, or inf: it is there";
         from: Real = 0 "s" in AtLeast(0.0),
@@ -101,12 +107,16 @@ crate::settings! {
         until: Option<Real> = "none" "s" in AtLeast(0.0),
             "time at which it ends, after from: it acts in steps that begin before; none: never";
     }
-    /// Of a `[[tear]]`.
-    pub(super) struct Tear {
-        time: Option<Real> = "needed" "s" in AtLeast(0.0), "of the tear";
-        corners as "box": Option<[Vec3; 2]> = "needed" "m",
-            "two corners such as [[0, 0, 0], [1, 1, 1]]: triangles whose middle, at rest, is in between vanish, but \
-             none that would leave a vertex alone";
+    /// Of an `[[event]]`.
+    pub(super) struct Event {
+        time: Option<Real> = "needed" "s" in AtLeast(0.0), "when: before the first step that begins then or later";
+        deed as "do": Option<Deed> = "needed",
+            "\"grab\" (the chosen vertices are held from now on, wherever they are; with a move or a turn they go \
+             on), \"drag\" (those that are held move and turn from where they are), \"release\" (those that are \
+             held, with the velocity they have) or \"tear\" (triangles vanish: those that a line crosses, or whose \
+             middle, at rest, is in a box, but none that would leave a vertex alone)";
+        line: Option<[Vec3; 2]> = "none" "m",
+            "of a tear: its two ends, at rest; along edges it takes the triangles to its left";
     }
     /// Of a `[[seam]]`.
     pub(super) struct Seam {
@@ -186,6 +196,12 @@ crate::choices! {
     }
 }
 
+crate::choices! {
+    /// Of an event.
+    #[derive(PartialEq)]
+    pub(super) enum Deed { Grab = "grab", Drag = "drag", Release = "release", Tear = "tear" }
+}
+
 crate::settings! {
     /// Of `[start]`.
     pub(super) struct Start {
@@ -258,7 +274,7 @@ pub const SECTIONS: [SectionInfo; 17] = [
     SectionInfo {
         head: "[[pins]]",
         about: "held vertices, which may move, for some time or for ever",
-        keys: &[Selection::PARAMETERS, Hold::PARAMETERS],
+        keys: &[Selection::PARAMETERS, Way::PARAMETERS, Hold::PARAMETERS],
     },
     SectionInfo {
         head: "[[mass]]",
@@ -271,14 +287,16 @@ pub const SECTIONS: [SectionInfo; 17] = [
         keys: &[Selection::PARAMETERS, Force::PARAMETERS],
     },
     SectionInfo {
-        head: "[[tear]]",
-        about: "triangles that are torn out; their mass stays with their corners, and what is inside a closed piece \
-                escapes; not of a cloth with a coarse level, which carries a whole mesh",
-        keys: &[Tear::PARAMETERS],
+        head: "[[event]]",
+        about: "what happens to the cloth at a time: vertices are grabbed, dragged and released, triangles torn \
+                out; of these the mass stays with their corners, and what is inside a closed piece escapes; no tear \
+                of a cloth with a coarse level, which carries a whole mesh",
+        keys: &[Event::PARAMETERS, Selection::PARAMETERS, Way::PARAMETERS],
     },
     SectionInfo {
         head: "[[seam]]",
-        about: "two chains of border vertices that are drawn together, and then held together",
+        about: "two chains of border vertices that are drawn together, and then held together; two vertices that \
+                two tables sew together are left to the first",
         keys: &[Seam::PARAMETERS],
     },
     SectionInfo {

@@ -4,9 +4,11 @@ use super::document::Section;
 use super::keys::{Piece, Source};
 use crate::error::BenchError;
 use crate::mesh_spec;
+use crate::scene::loose::coincident;
 use crate::settings::Factors;
-use cloth_core::math::Vec3;
-use cloth_core::mesh::{TriMesh, generate, io};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::{MeshError, TriMesh, generate, io};
+use cloth_core::topology::EdgeTable;
 use nalgebra::Rotation3;
 use std::path::Path;
 
@@ -60,10 +62,35 @@ pub(super) fn scaled(section: &Section<'_>, folder: &Path) -> Result<TriMesh, Be
     scaled.map_err(|error| section.refuse_table(error))
 }
 
+/// The mesh in which vertices no farther than `distance` (m) from each other are one.
+fn welded(mesh: &TriMesh, distance: Real) -> Result<TriMesh, MeshError> {
+    let mut sets = coincident(mesh.positions(), distance);
+    let mut positions = Vec::new();
+    let mut number: Vec<u32> = Vec::with_capacity(mesh.vertex_count());
+    for (v, x) in (0..).zip(mesh.positions()) {
+        // The root of a set is its lowest number, which has its place already.
+        let root = sets.root(v);
+        if root == v {
+            number.push(positions.len() as u32);
+            positions.push(*x);
+        } else {
+            number.push(number[root as usize]);
+        }
+    }
+    let triangles = mesh.triangles().iter();
+    let triangles = triangles.map(|corners| corners.map(|v| number[v as usize]));
+    let welded = TriMesh::new(positions, triangles.collect())?;
+    EdgeTable::build(&welded).map(|_| welded)
+}
+
 fn piece(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
     let mesh = scaled(section, folder)?;
-    let mut positions = mesh.positions().to_vec();
     let own = section.read::<Piece>()?;
+    let mesh = match *own.weld {
+        Some(distance) => welded(&mesh, distance).map_err(|error| own.weld.refuse(error))?,
+        None => mesh,
+    };
+    let mut positions = mesh.positions().to_vec();
     if let Some(rotation) = *own.rotate {
         let rotation = Rotation3::new(rotation);
         positions.iter_mut().for_each(|x| *x = rotation * *x);

@@ -7,7 +7,7 @@ use super::natural_order::natural_key;
 use crate::error::BenchError;
 use crate::scene::contact::{Body, splits};
 use crate::scene::touching;
-use crate::settings::Setting;
+use crate::settings::{Choice, Setting};
 use cloth_collide::obstacle::{
     AnimatedMesh, Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose, RigidBody,
     RigidMotion, SampledDistance, Shifted, SignedDistance, Sphere, SurfaceOnly,
@@ -30,6 +30,10 @@ pub(super) fn body(
     if *own.shape == Some(Shape::Animation) {
         return animated(section, &own, folder);
     }
+    let named = Shape::NAMES
+        .iter()
+        .find(|(_, shape)| own.shape.as_ref() == Some(shape));
+    let kind = named.map_or("body", |(name, _)| *name);
     let mut why_hollow = None;
     let (obstacle, surface, free) = match *own.shape {
         Some(Shape::Mesh) => {
@@ -44,7 +48,7 @@ pub(super) fn body(
         obstacle,
         surface,
         free: free.map(Box::new),
-        is_flat: *own.shape == Some(Shape::Plane),
+        kind,
         friction: *own.friction,
     })
 }

@@ -1,7 +1,7 @@
 //! `[[pins]]`: held vertices and their ways.
 
 use super::document::Section;
-use super::keys::{self, Selection};
+use super::keys::{self, Selection, Way};
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::{Change, ChangeKind, pins};
@@ -89,48 +89,59 @@ pub(super) struct Hold {
     until: Option<Real>,
 }
 
-/// What a table says of these vertices.
-pub(super) fn hold(section: &Section<'_>, vertices: Vec<usize>) -> Result<Hold, BenchError> {
-    let own = section.read::<keys::Hold>()?;
-    let (shift, turn, from, until) = (*own.shift, *own.turn, *own.from, *own.until);
+/// How a table says that its vertices move, if they do.
+pub(super) fn motion(section: &Section<'_>) -> Result<Option<Motion>, BenchError> {
+    let own = section.read::<Way>()?;
+    let (shift, turn) = (*own.shift, *own.turn);
     if turn.is_none() {
         own.centre.refuse_without("a turn or a move")?;
     }
     if turn.is_none() && shift.is_none() {
         own.duration.refuse_without("a turn or a move")?;
+        return Ok(None);
     }
-    if until.is_some_and(|until| until <= from) {
-        let message = format!("until has to be later than from, which is {from} s");
-        return Err(own.until.refuse(message));
-    }
-    let motion = (turn.is_some() || shift.is_some()).then(|| Motion {
+    Ok(Some(Motion {
         shift: shift.unwrap_or_default(),
         turn: turn.unwrap_or_default(),
         centre: own.centre.unwrap_or_default(),
         duration: *own.duration,
-    });
+    }))
+}
+
+/// What a table says of these vertices.
+pub(super) fn hold(section: &Section<'_>, vertices: Vec<usize>) -> Result<Hold, BenchError> {
+    let own = section.read::<keys::Hold>()?;
+    let (from, until) = (*own.from, *own.until);
+    if until.is_some_and(|until| until <= from) {
+        let message = format!("until has to be later than from, which is {from} s");
+        return Err(own.until.refuse(message));
+    }
     Ok(Hold {
         vertices,
-        motion,
+        motion: motion(section)?,
         stiffness: own.stiffness.number(),
         from,
         until,
     })
 }
 
-/// Refuses vertices that two tables hold at the same time, unless both do so for ever and without a spring.
-pub(super) fn refuse_overlap(sections: &[Section<'_>], holds: &[Hold]) -> Result<(), BenchError> {
+/// Refuses vertices that two tables hold at the same time, unless both do so for ever and without a spring. `name` has
+/// the caller's number of a vertex.
+pub(super) fn refuse_overlap(
+    sections: &[Section<'_>],
+    holds: &[Hold],
+    name: impl Fn(usize) -> usize,
+) -> Result<(), BenchError> {
     for (later, (section, hold)) in sections.iter().zip(holds).enumerate() {
         let end = |hold: &Hold| hold.until.unwrap_or(Real::INFINITY);
-        let is_timed =
-            |hold: &Hold| hold.from > 0.0 || hold.until.is_some() || hold.stiffness.is_finite();
         for other in &holds[..later] {
             let meet = hold.from < end(other) && other.from < end(hold);
-            if !meet || !(is_timed(hold) || is_timed(other)) {
+            if !meet || !(hold.is_timed() || other.is_timed()) {
                 continue;
             }
             let both = hold.vertices.iter().find(|v| other.vertices.contains(v));
             if let Some(vertex) = both {
+                let vertex = name(*vertex);
                 let message = format!("vertex {vertex} is held by other [[pins]] at the same time");
                 return Err(section.refuse_table(message));
             }
@@ -140,6 +151,11 @@ pub(super) fn refuse_overlap(sections: &[Section<'_>], holds: &[Hold]) -> Result
 }
 
 impl Hold {
+    /// Whether it is anything but holding for ever.
+    pub(super) fn is_timed(&self) -> bool {
+        self.from > 0.0 || self.until.is_some() || self.stiffness.is_finite()
+    }
+
     /// Holds the vertices from the start on, or later; and releases them, if they are not held for ever.
     pub(super) fn apply(
         self,

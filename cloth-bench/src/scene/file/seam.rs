@@ -250,16 +250,18 @@ fn given([list, border]: [&Numbers; 2]) -> &Numbers {
     if list.is_given() { list } else { border }
 }
 
-/// Refuses a pair of vertices that is sewn together twice.
-pub(super) fn refuse_repeated(sections: &[Section<'_>], seams: &[Ends]) -> Result<(), BenchError> {
+/// Leaves a pair of vertices that two tables sew together, such as the corner of a pillow, to the first of them. Refuses
+/// a table with no pair of its own.
+pub(super) fn sew_once(sections: &[Section<'_>], seams: &mut [Ends]) -> Result<(), BenchError> {
     let sorted = |&[a, b]: &[u32; 2]| [a.min(b), a.max(b)];
     let mut all: Vec<[u32; 2]> = Vec::new();
-    for (section, Ends { pairs, .. }) in sections.iter().zip(seams) {
-        if pairs.iter().any(|pair| all.contains(&sorted(pair))) {
-            let message = "two of its vertices are sewn together by another [[seam]] too";
+    for (section, ends) in sections.iter().zip(seams) {
+        ends.pairs.retain(|pair| !all.contains(&sorted(pair)));
+        if ends.pairs.is_empty() && ends.onto_edges.is_empty() {
+            let message = "all of its vertices are sewn together by another [[seam]] already";
             return Err(section.refuse_table(message));
         }
-        all.extend(pairs.iter().map(sorted));
+        all.extend(ends.pairs.iter().map(sorted));
     }
     Ok(())
 }

@@ -1,13 +1,64 @@
-//! `[[tear]]`: triangles that vanish at a time.
+//! `[[event]]` that tears: triangles vanish.
 
 use super::document::Section;
+use super::event::refuse_motion;
 use super::gas::{self, Inside};
-use super::keys::Tear;
+use super::keys::{Deed, Event, Selection};
 use super::material::Material;
 use crate::error::BenchError;
 use crate::scene::{Change, ChangeKind};
-use cloth_core::math::Vec3;
+use crate::settings::Setting;
+use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
+
+/// A line that goes along an edge is moved to its left by this part of a triangle's size.
+const ASIDE: Real = 1e-3;
+
+/// Where triangles are torn out.
+enum Place {
+    /// Its lowest and its highest corner (m).
+    Box([Vec3; 2]),
+    /// Its ends (m).
+    Line([Vec3; 2]),
+}
+
+impl Place {
+    /// Whether a triangle with these corners (m) is there: its middle in the box; or the line across it, seen along its
+    /// normal, no farther from its plane than it is large.
+    fn has(&self, x: [Vec3; 3]) -> bool {
+        let [a, b] = match self {
+            Self::Box([low, high]) => {
+                let middle = x.iter().sum::<Vec3>() / 3.0;
+                return (0..3).all(|axis| (low[axis]..=high[axis]).contains(&middle[axis]));
+            }
+            Self::Line(ends) => *ends,
+        };
+        let normal = (x[1] - x[0]).cross(&(x[2] - x[0]));
+        let size = normal.norm().sqrt();
+        let along = b - a;
+        let Some(left) = normal.cross(&along).try_normalize(0.0) else {
+            return false;
+        };
+        let a = a + left * (ASIDE * size);
+        // The part of the line that is on the inner side of every edge.
+        let (mut begin, mut end): (Real, Real) = (0.0, 1.0);
+        for k in 0..3 {
+            let inward = normal.cross(&(x[(k + 1) % 3] - x[k]));
+            let (height, slope) = (inward.dot(&(a - x[k])), inward.dot(&along));
+            let zero = -height / slope;
+            if slope > 0.0 {
+                begin = begin.max(zero);
+            } else if slope < 0.0 {
+                end = end.min(zero);
+            } else if height < 0.0 {
+                return false;
+            }
+        }
+        let middle = a + along * (0.5 * (begin + end));
+        let distance = normal.dot(&(middle - x[0])).abs() / normal.norm();
+        begin < end && distance <= size
+    }
+}
 
 /// The tears of a mesh, in the order of their times.
 pub(super) fn tears(
@@ -18,39 +69,43 @@ pub(super) fn tears(
 ) -> Result<Vec<Change>, BenchError> {
     let mut timed = Vec::new();
     for section in sections {
-        let own = section.read::<Tear>()?;
-        let time = own
-            .time
-            .ok_or_else(|| section.refuse_table("needs a time"))?;
-        let corners = own
-            .corners
-            .ok_or_else(|| section.refuse_table("needs a box"))?;
-        timed.push((time, corners, (section, own)));
+        let (own, chosen) = (section.read::<Event>()?, section.read::<Selection>()?);
+        if own.deed(section)? != Deed::Tear {
+            continue;
+        }
+        refuse_motion(section, "for a tear")?;
+        chosen.select.refuse_given("for a tear")?;
+        chosen.vertices.refuse_given("for a tear")?;
+        let (place, key) = match (*chosen.corners, *own.line) {
+            (Some([a, b]), None) => (Place::Box([a.inf(&b), a.sup(&b)]), chosen.corners.bare()),
+            (None, Some(ends)) => (Place::Line(ends), own.line.bare()),
+            _ => return Err(section.refuse_table("a tear needs a box or a line")),
+        };
+        timed.push((own.time(section)?, place, (section, key)));
     }
     timed.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut is_left = vec![true; mesh.triangles().len()];
     let mut changes = Vec::new();
-    for (time, [a, b], (section, own)) in timed {
-        let (low, high) = (a.inf(&b), a.sup(&b));
-        let is_torn = |corners: [u32; 3]| {
-            let sum: Vec3 = corners.map(|v| mesh.positions()[v as usize]).iter().sum();
-            let middle = sum / 3.0;
-            (0..3).all(|axis| (low[axis]..=high[axis]).contains(&middle[axis]))
-        };
+    for (time, place, (section, key)) in timed {
         let mut count = 0;
         for (left, corners) in is_left.iter_mut().zip(mesh.triangles()) {
-            if *left && is_torn(*corners) {
+            if *left && place.has(gather(mesh.positions(), *corners)) {
                 *left = false;
                 count += 1;
             }
         }
         if count == 0 {
-            let message = "there is no triangle in the box, or it has been torn out before";
-            return Err(own.corners.refuse(message));
+            let there = if key.name() == "line" {
+                "on the line"
+            } else {
+                "in the box"
+            };
+            let message = format!("there is no triangle {there}, or it has been torn out before");
+            return Err(key.refuse(message));
         }
         let kept = mesh.triangles().iter().zip(&is_left);
         let kept: Vec<[u32; 3]> = kept.filter(|(_, left)| **left).map(|(t, _)| *t).collect();
-        refuse_lonely(&own, &kept, mesh)?;
+        refuse_lonely(&key, &kept, mesh)?;
         let rest = TriMesh::new(mesh.positions().to_vec(), kept);
         let rest = rest.map_err(|error| section.refuse_table(error))?;
         let model = material.cut(mesh, |triangle| is_left[triangle])?;
@@ -69,7 +124,7 @@ pub(super) fn tears(
 }
 
 /// Refuses to leave a vertex without any triangle.
-fn refuse_lonely(own: &Tear, kept: &[[u32; 3]], mesh: &TriMesh) -> Result<(), BenchError> {
+fn refuse_lonely(key: &Setting<()>, kept: &[[u32; 3]], mesh: &TriMesh) -> Result<(), BenchError> {
     let mut has_triangle = vec![false; mesh.vertex_count()];
     for vertex in kept.iter().flatten() {
         has_triangle[*vertex as usize] = true;
@@ -78,9 +133,12 @@ fn refuse_lonely(own: &Tear, kept: &[[u32; 3]], mesh: &TriMesh) -> Result<(), Be
     lonely.map_or(Ok(()), |vertex| {
         let x = mesh.positions()[vertex];
         let message = format!(
-            "the vertex at ({}, {}, {}) m would be left without a triangle: make the box narrower",
-            x.x, x.y, x.z
+            "the vertex at ({}, {}, {}) m would be left without a triangle: choose another {}",
+            x.x,
+            x.y,
+            x.z,
+            key.name()
         );
-        Err(own.corners.refuse(message))
+        Err(key.refuse(message))
     })
 }

@@ -1,0 +1,76 @@
+//! Border vertices that lie on each other without being one: a file in which faces do not share their corners.
+
+use super::{ChangeKind, Scene};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::topology::{DisjointSets, EdgeTable, components};
+
+/// Sets of the points that are no farther from each other than `distance` (m), or are joined by others between them;
+/// the root of a set is its lowest number.
+pub(super) fn coincident(x: &[Vec3], distance: Real) -> DisjointSets {
+    // Points of a grid come one after the other along a direction that is none of its own.
+    let skew = Vec3::new(0.83, 0.51, 0.23).normalize();
+    let mut order: Vec<(Real, u32)> = (0..).zip(x).map(|(v, x)| (x.dot(&skew), v)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut sets = DisjointSets::new(x.len());
+    for (place, &(along, v)) in order.iter().enumerate() {
+        for &(other, u) in &order[place + 1..] {
+            if other - along > distance {
+                break;
+            }
+            if (x[v as usize] - x[u as usize]).norm() <= distance {
+                sets.join(v, u);
+            }
+        }
+    }
+    sets
+}
+
+impl Scene {
+    /// A sentence about border vertices in the same place that nothing joins, if there are any: the cloth falls apart
+    /// there.
+    #[must_use]
+    pub fn border_warning(&self) -> Option<String> {
+        let mesh = self.mesh.as_ref()?;
+        let edges = EdgeTable::build(mesh).ok()?;
+        let border = (0..edges.len()).filter(|&edge| edges.is_boundary(edge));
+        let mut border: Vec<u32> = border.flat_map(|edge| edges.ends()[edge]).collect();
+        border.sort_unstable();
+        border.dedup();
+        let later = self.changes.iter().filter_map(|change| match &change.kind {
+            ChangeKind::Sew { seam, .. } => Some(seam.clone()),
+            _ => None,
+        });
+        let seams: Vec<_> = std::iter::once(self.model.seam()).chain(later).collect();
+        let mut sewn: Vec<u32> = Vec::new();
+        for seam in &seams {
+            sewn.extend(seam.sewn_pairs().as_flattened());
+            sewn.extend(seam.sewn_onto_edges().as_flattened());
+        }
+        border.retain(|v| !sewn.contains(v));
+        let x: Vec<Vec3> = border
+            .iter()
+            .map(|&v| mesh.positions()[v as usize])
+            .collect();
+        let mut sets = coincident(&x, 0.0);
+        let doubles: Vec<[u32; 2]> = (0..x.len() as u32)
+            .map(|v| [sets.root(v), v])
+            .filter(|[root, v]| root != v)
+            .map(|pair| pair.map(|v| border[v as usize]))
+            .collect();
+        let name = |v: u32| {
+            self.order
+                .as_ref()
+                .map_or(v, |o| o.old_of_new()[v as usize])
+        };
+        let [a, b] = doubles.first()?.map(name);
+        let pieces = components(mesh.vertex_count(), &edges);
+        let pieces = pieces.iter().max().map_or(0, |last| last + 1);
+        Some(format!(
+            "{} border vertices lie on others without being one with them, such as {} on {}: there the cloth, of \
+             {pieces} pieces, falls apart; weld = 0 in its [[mesh]] makes them one",
+            doubles.len(),
+            a.max(b),
+            a.min(b)
+        ))
+    }
+}
