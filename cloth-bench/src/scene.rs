@@ -19,6 +19,7 @@ use crate::error::BenchError;
 use crate::settings::{Parameter, Range::*, Settings, Table};
 use cloth::{EdgeSprings, Material, Stiffness};
 use cloth_collide::SeparationProbe;
+use cloth_collide::obstacle::Obstacle;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
@@ -202,19 +203,56 @@ impl Scene {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
-    /// How far the cloth can fall before it lands (m): its distance from the obstacle that is farthest away; 0 where
-    /// there is none.
+    /// The greatest height (m) through which any part of the cloth can fall: its own length, for it may swing, and its
+    /// distance from the obstacle that is farthest away; no more than what is above a floor, if nothing can lift it.
     #[must_use]
     pub fn fall(&self) -> Real {
+        let places = &self.start.positions;
+        let ends = (places[0], places[0]);
+        let (low, high) = places
+            .iter()
+            .fold(ends, |(low, high), x| (low.inf(x), high.sup(x)));
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
         let obstacles = touch.flat_map(ContactSetup::obstacles);
         let obstacles = obstacles.filter(|o| o.shape().error_bound() < Real::INFINITY);
-        let farthest = obstacles.map(|obstacle| {
-            let clearance = |&x: &Vec3| obstacle.signed_distance(x, 0.0).value;
-            let places = self.start.positions.iter();
-            places.map(clearance).fold(Real::INFINITY, Real::min)
-        });
-        farthest.fold(0.0, Real::max)
+        let (mut below, mut above): (Real, Real) = (0.0, Real::INFINITY);
+        for obstacle in obstacles {
+            let distances = places
+                .iter()
+                .map(|&x| obstacle.signed_distance(x, 0.0).value);
+            let (nearest, farthest) = distances
+                .fold((Real::INFINITY, 0.0), |(a, b): (Real, Real), d| {
+                    (a.min(d), b.max(d))
+                });
+            below = below.max(nearest);
+            if obstacle.shape().bounds().is_none() && self.lies_level(obstacle) {
+                above = above.min(farthest);
+            }
+        }
+        let fall = (high - low).amax() + below;
+        if self.is_left_alone() {
+            fall.min(above)
+        } else {
+            fall
+        }
+    }
+
+    /// Whether the plane is a floor, across gravity.
+    fn lies_level(&self, plane: &Obstacle) -> bool {
+        let up = plane.signed_distance(self.start.positions[0], 0.0).normal;
+        -up.dot(&self.gravity) >= (1.0 - 1e-9) * self.gravity.norm()
+    }
+
+    /// Whether nothing moves the cloth but gravity: neither pins nor bodies, air or what is inside of it.
+    fn is_left_alone(&self) -> bool {
+        let mut touch = self.touch.iter();
+        self.pins.is_none()
+            && self.changes.is_empty()
+            && self.air.is_none()
+            && self.gases.is_empty()
+            && self.volumes.is_empty()
+            && self.start.velocities.iter().all(|v| *v == Vec3::zeros())
+            && touch.all(ContactSetup::stands_still)
     }
 
     /// The largest tension (N/m) by what is inside of closed pieces, where the cloth starts.

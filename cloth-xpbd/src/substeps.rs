@@ -5,8 +5,8 @@
 //! series with the material's, and no wave goes faster than about an edge in a substep, l/h. Two loads follow.
 //!
 //! - **An impact**: cloth that is stopped, or bent round, at a speed v is strained by v over the wave speed,
-//!   `v h/l`. The speed is that of a fall through the length of the cloth and the height below it,
-//!   `v = √(2 g H)`.
+//!   `v h/l`. The speed is that of a fall through a height H, `v = √(2 g H)`: the length of the cloth, which may swing,
+//!   and what is free below it, or less where a floor is nearer.
 //! - **The weight**: P prescribed vertices carry V vertices of mass m, so an edge there has a tension of some m g V/P.
 //!   Over the stiffness m/h² that is a stretch of g h² V/P, and a strain of `g h² V/(P l)`. Cloth without prescribed
 //!   vertices comes to lie on a fold or a rim of some √V vertices.
@@ -98,7 +98,8 @@ pub struct SubstepRule {
     pub strain: Real,
     /// Acceleration of free fall (m/s²).
     pub gravity: Vec3,
-    /// Height of free fall (m) below the cloth, besides its own length.
+    /// The greatest height (m) through which any part of the cloth can fall: its own length, where it can swing, and what
+    /// is free below it; no more than what is above a floor.
     pub fall: Real,
     /// The largest tension (N/m) that lasts, such as `p R/2` of a sphere of radius R (m) with a gauge pressure p (Pa)
     /// inside; 0 for none.
@@ -113,18 +114,11 @@ impl SubstepRule {
     /// number from above, unless all are zero.
     ///
     /// # Panics
-    /// If the wanted strain or the number of sweeps is not above 0, or there is not one position (m) per vertex.
+    /// If the wanted strain or the number of sweeps is not above 0.
     #[must_use]
-    pub fn substeps(
-        &self,
-        particles: &Particles,
-        springs: &[Spring],
-        positions: &[Vec3],
-        dt: Real,
-    ) -> u32 {
+    pub fn substeps(&self, particles: &Particles, springs: &[Spring], dt: Real) -> u32 {
         assert!(self.strain > 0.0 && self.iterations > 0, "{self:?}");
-        assert_eq!(positions.len(), particles.len(), "number of positions");
-        let longest = self.longest(particles, springs, positions);
+        let longest = self.longest(particles, springs);
         // A quotient that rounding has put above a whole number is that number.
         let count = (dt / longest.min(LONGEST) * (1.0 - 1e-12)).ceil();
         // A step of no length, or of one that is not a number, is refused where it is taken.
@@ -133,7 +127,7 @@ impl SubstepRule {
 
     /// The longest substep (s) that leaves no more than the wanted strain, or than the elastic stretch of the
     /// springs.
-    fn longest(&self, particles: &Particles, springs: &[Spring], positions: &[Vec3]) -> Real {
+    fn longest(&self, particles: &Particles, springs: &[Spring]) -> Real {
         let free = particles.inverse_mass().iter().filter(|&&w| w > 0.0);
         let (count, ease) = free.fold((0_u32, 0.0), |(count, sum), w| (count + 1, sum + w));
         let lengths = springs.iter().map(|spring| spring.rest_length);
@@ -155,12 +149,8 @@ impl SubstepRule {
             0 => weight.sqrt(),
             held => held as Real,
         };
-        let first = positions[0];
-        let (low, high) = positions
-            .iter()
-            .fold((first, first), |(low, high), x| (low.inf(x), high.sup(x)));
         let gravity = self.gravity.norm();
-        let speed = (2.0 * gravity * ((high - low).amax() + self.fall.max(0.0))).sqrt();
+        let speed = (2.0 * gravity * self.fall.max(0.0)).sqrt();
         // b h + a h² = ε
         let b = IMPACT_COEFFICIENT * speed / edge;
         let a = WEIGHT_COEFFICIENT * gravity * weight / (held * edge);

@@ -137,7 +137,7 @@ fn substeps(
         iterations,
     };
     let particles = &scene.model.particles;
-    let own = rule.substeps(particles, &scene.gauges()?, &scene.start.positions, dt);
+    let own = rule.substeps(particles, &scene.gauges()?, dt);
     Ok((Real::from(own) * loaded(scene)).ceil() as u32)
 }
 

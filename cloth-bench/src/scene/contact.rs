@@ -332,6 +332,12 @@ impl ContactSetup {
         }
     }
 
+    /// Whether no body moves, and none can.
+    pub fn stands_still(&self) -> bool {
+        let mut bodies = self.obstacles();
+        self.animated.is_empty() && self.free.is_empty() && bodies.all(|o| o.motion().is_still())
+    }
+
     /// Whether the cloth can push the obstacle of this number.
     #[must_use]
     pub fn is_free(&self, number: usize) -> bool {

@@ -77,12 +77,12 @@ impl Hanging {
         let rule = SubstepRule {
             strain: self.wanted,
             gravity: self.gravity,
-            fall: 0.0,
+            fall: side,
             tension: 0.0,
             iterations: 1,
         };
         let x = self.mesh.positions();
-        let chosen = rule.substeps(&model.particles, &model.springs, x, self.dt);
+        let chosen = rule.substeps(&model.particles, &model.springs, self.dt);
         let config = XpbdConfig {
             substeps: substeps.unwrap_or(chosen),
             ..XpbdConfig::default()
