@@ -83,7 +83,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let cost = study.chapter("crumpled sheet", |own, now| crumple::run(scope, own, now));
     let told = [Some(scenes), promise, cost];
     let told: Vec<String> = told.into_iter().flatten().collect();
-    study.findings.section.verdict = Some(told.join(" "));
+    study.findings.section.verdict = Some(told.join("\n"));
     Ok(())
 }
 

@@ -226,7 +226,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let law = oscillators(study)?;
     let (kept, momentum) = free_sheets(study)?;
     let left = held_sheets(study)?;
-    study.findings.section.verdict = Some(format!("{law} {kept} {momentum} {left}"));
+    study.findings.section.verdict = Some(format!("{law}\n{kept} {momentum} {left}"));
     Ok(())
 }
 
@@ -378,10 +378,16 @@ fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError>
         .iter()
         .map(|(_, row)| row.change_of_linear_momentum)
         .fold(0.0, Real::max);
+    let lose = rows
+        .iter()
+        .filter(|(_, row)| row.change_of_linear_momentum >= ROUNDING);
+    let mut lose: Vec<&str> = lose.map(|(_, row)| &*row.method).collect();
+    lose.dedup();
     let linear = if linear < ROUNDING {
         format!("All keep linear momentum to rounding ({linear:.0e})")
     } else {
-        format!("Linear momentum is NOT kept by all: it changes by {linear:.0e}")
+        let lose = lose.join(", ");
+        format!("All keep linear momentum to rounding but {lose}: it changes by {linear:.0e}")
     };
     let (exact, others): (Vec<_>, Vec<_>) = rows.iter().partition(|(_, row)| row.keeps_angular);
     let angular = others

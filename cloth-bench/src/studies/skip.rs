@@ -123,7 +123,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         .map(|(_, t)| (t.again - 1.0).abs())
         .fold(0.0, Real::max);
     let mut verdict = format!(
-        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %. {memory}",
+        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.\n{memory}",
         100.0 * noise
     );
     let fewest = weights

@@ -40,7 +40,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             .collect();
         told.push(draw(map, &across, of_map, &mut study.findings));
     }
-    study.findings.section.verdict = Some(told.join(" "));
+    study.findings.section.verdict = Some(told.join("\n"));
     Ok(())
 }
 

@@ -100,8 +100,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             never.join(", ")
         ),
     };
-    study.findings.section.verdict =
-        Some(format!("A second thread: {}", told.trim_end_matches(':')));
+    let told_here = told
+        .trim_end_matches([':', '.'])
+        .replacen("It", "A second thread", 1);
+    study.findings.section.verdict = Some(format!("{told_here}."));
     let question = "When does a second thread help?";
     study
         .findings
