@@ -42,7 +42,9 @@
 //!
 //! In parts of a step the fraction has its sign, from −1 to 1. Cut off at 0, as in whole steps, it would make a pull of
 //! what trembles: the towel of the scene `twist` held 1.5 mJ more than the 5.2 mJ that it was given within a second,
-//! and so holds none.
+//! and so holds none. The price is a swing that damps: after a second of hanging, `hang` has fallen 0.145 m instead of
+//! 0.104 m, where short steps of implicit Euler have 0.061 m. The whole last acceleration comes to 0.065 m, and gains
+//! 2.5 % of the energy.
 //!
 //! Where G is higher at the guess than at xₜ, the cloth would have more energy there than it has. A hundred sweeps do
 //! not take it away: a falling sheet of 64 × 64 vertices kept 39 J as strain, where gravity had given 0.8 J. Such a
@@ -54,7 +56,7 @@
 //! How many sweeps a step needs is decided by k Δt²/m, 57,000 for that sheet. Small steps divide it by their square,
 //! small parts of a step as well; this is what XPBD does, and its rule for their number holds here too, since a sweep
 //! of either leaves a spring longer by what its neighbour moves. So a run takes `substeps=auto`, one sweep or a few in
-//! each: that sheet falls 0.480 m in 177 parts, stretched by 2.4 %, and holds no energy that it was not given, for the
+//! each: that sheet falls 0.481 m in 177 parts, stretched by 1.5 %, and holds no energy that it was not given, for the
 //! time of 177 sweeps. A guess for a small part is near, and taken as it is. The studies compare
 //! `substeps=1`, 100 sweeps, as the paper has it, beside XPBD with its published 20 substeps.
 //!

@@ -19,7 +19,7 @@ pub(super) const FEATURES: [(&str, bool, [&str; 3]); 13] = [
     ("coarse level", false, ["", "level=0", "level=1"]),
     ("strain limiting", true, ["", "strain_limit=none", "strain_limit=0.05"]),
     ("air drag", true, ["", "air_drag=0", "air_drag=1"]),
-    ("stiffness damping", true, ["", "stiffness_damping=0", "stiffness_damping=1e-4"]),
+    ("stiffness damping", true, ["", "stiffness_damping=0", "stiffness_damping=1e-6"]),
     ("damping of constraints", true, ["", "damping=0", "damping=1e-4"]),
     ("Chebyshev", true, ["iterations=20", "iterations=20 chebyshev=none", "iterations=20 chebyshev=0.9"]),
     ("coarse levels of PBD", true, ["", "hierarchy=none", "hierarchy=1"]),

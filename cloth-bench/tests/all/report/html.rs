@@ -74,6 +74,7 @@ fn nasty() -> Report {
         question: nasty.into(),
         leads: false,
         verdict: Some(nasty.into()),
+        detail: nasty.into(),
         command: nasty.into(),
         plots: vec![(nasty.into(), plot.draw().svg)],
         pictures: vec![Picture {
@@ -106,6 +107,19 @@ fn the_page_needs_nothing_from_outside() {
         html.matches("http").count() - html.matches("http://www.w3.org/2000/svg").count();
     assert_eq!(addresses, 0);
     assert!(!html.contains("<link") && !html.contains("@import") && !html.contains("url("));
+}
+
+/// Of a section's answer a sentence and the way to its figure are to be seen, the numbers behind it on demand.
+#[test]
+fn an_answer_leads_to_its_figure_and_its_numbers_are_folded_away() {
+    let mut report = nasty();
+    report.sections[0].plots[0].0 = "sag".into();
+    report.sections[0].verdict = Some("It sags.".into());
+    report.sections[0].detail = "By 1 mm.".into();
+    let html = report.to_html();
+    let answer = "<p class=\"verdict\">It sags. <a href=\"#figure-sag\">figure</a></p>";
+    let numbers = "<details><summary>In numbers</summary><p>By 1 mm.</p></details>";
+    assert!(html.contains(&format!("{answer}\n{numbers}")));
 }
 
 #[test]
