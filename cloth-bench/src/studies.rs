@@ -9,7 +9,7 @@
 //!    `study.table(name, caption, &rows)` reads the columns from the structs, units included; what a tuple holds is
 //!    named by `Table::named`.
 //! 3. `curves(&rows, |row| (label, (x, y)))` says which columns go where; `Plot::new(title, x, y).with(curves)` draws.
-//! 4. `study.section.verdict` says in words what the rows show.
+//! 4. `study.section.verdict` says in words what the rows show: a sentence, and on more lines the numbers.
 //!
 //! Nothing else has to be told: cases are counted, left out, resumed and joined by the names that the grid gives them.
 //! `recovery` and `threads` are short ones to start from.
@@ -278,6 +278,15 @@ impl Study {
         }
         outcome?;
         let section = &mut findings.section;
+        // Its first line is the answer, but where all of it is.
+        let told = section
+            .verdict
+            .as_ref()
+            .and_then(|told| told.split_once('\n'));
+        if let Some((answer, detail)) = told.filter(|_| !section.leads) {
+            let (answer, detail) = (answer.to_owned(), detail.to_owned());
+            (section.verdict, section.detail) = (Some(answer), detail);
+        }
         section.id = self.name.to_owned();
         section.title = capitalised(self.name);
         section.question = self.question.to_owned();

@@ -98,6 +98,11 @@ pub trait ContactSource {
         0.0
     }
 
+    /// Whether there is anything to touch. If not, a step is one without contact.
+    fn can_touch(&self) -> bool {
+        true
+    }
+
     /// Number of vertices that the last step has held back: they are safe, but behind where contact should let them go,
     /// and have lost momentum for it. 0 for a source that does not do that.
     fn held(&self) -> usize {

@@ -94,10 +94,10 @@ impl<'a> StepInput<'a> {
         self
     }
 
-    /// Sets what the cloth can touch.
+    /// Sets what the cloth can touch, if there is anything.
     #[must_use]
     pub fn contacts(mut self, contacts: &'a mut dyn ContactSource) -> Self {
-        self.contacts = Some(contacts);
+        self.contacts = contacts.can_touch().then_some(contacts);
         self
     }
 

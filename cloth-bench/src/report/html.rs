@@ -29,8 +29,11 @@ pub struct Section {
     /// Whether it opens the report, before the plain answers.
     #[serde(default)]
     pub leads: bool,
-    /// The answer in plain words, once someone has judged the numbers.
+    /// The answer in a plain sentence, once someone has judged the numbers.
     pub verdict: Option<String>,
+    /// The numbers behind it, method by method.
+    #[serde(default)]
+    pub detail: String,
     /// The command that makes this section again.
     pub command: String,
     /// Figures with their names: `<svg>` elements from [`Plot::draw`](super::plot::Plot::draw). They go into the
@@ -161,6 +164,13 @@ impl Section {
         all.any(|(kind, name)| figure.strip_prefix(kind) == Some(name))
     }
 
+    /// What its answer rests on first: a figure, or a table if it has none.
+    fn first(&self) -> Option<(&str, &str)> {
+        let plot = self.plots.first().map(|(name, _)| ("figure", &**name));
+        let table = self.tables.first();
+        plot.or(table.map(|(name, ..)| ("table", &**name)))
+    }
+
     fn to_html(&self) -> String {
         let mut html = format!(
             "<section id=\"{}\"{}>\n<h2>{}</h2>\n",
@@ -172,7 +182,18 @@ impl Section {
             html += &format!("<p class=\"question\">{}</p>\n", escape(&self.question));
         }
         if let Some(verdict) = &self.verdict {
-            html += &format!("<p class=\"verdict\">{}</p>\n", escape(verdict));
+            let link = self.first().map_or(String::new(), |(kind, name)| {
+                let id = anchor(&format!("{kind}-{name}"));
+                format!(" <a href=\"#{id}\">{kind}</a>")
+            });
+            let link = if self.leads { "" } else { &link };
+            html += &format!("<p class=\"verdict\">{}{link}</p>\n", escape(verdict));
+        }
+        if !self.detail.is_empty() {
+            html += &format!(
+                "<details><summary>In numbers</summary><p>{}</p></details>\n",
+                escape(&self.detail)
+            );
         }
         if self.leads {
             html += &self.tables_to_html(1, 0);

@@ -33,6 +33,10 @@ impl ContactSource for Timed {
         clock.time(|| source.keep_free(from, inverse_mass, x))
     }
 
+    fn can_touch(&self) -> bool {
+        self.source.can_touch()
+    }
+
     fn held(&self) -> usize {
         self.source.held()
     }

@@ -74,7 +74,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         Some(queries::run(study)),
         crumple::run(study),
     ];
-    study.section.verdict = Some(told.into_iter().flatten().join(" "));
+    study.section.verdict = Some(told.into_iter().flatten().join("\n"));
     Ok(())
 }
 

@@ -199,7 +199,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let law = oscillators(study)?;
     let (kept, momentum) = free_sheets(study)?;
     let left = held_sheets(study)?;
-    study.section.verdict = Some(format!("{law} {kept} {momentum} {left}"));
+    study.section.verdict = Some(format!("{law}\n{kept} {momentum} {left}"));
     Ok(())
 }
 
@@ -338,10 +338,14 @@ fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError>
     study.table("energy-free", "A free sheet for 10 s", table);
     let kept = told(&rows, |row| (&row.method, row.energy_kept));
     let linear = largest(rows.iter().map(|(_, row)| row.change_of_linear_momentum));
+    let lose = rows.iter().map(|(_, row)| row);
+    let lose = lose.filter(|row| row.change_of_linear_momentum >= ROUNDING);
+    let mut lose = lose.map(|row| &row.method).dedup();
     let linear = if linear < ROUNDING {
         format!("All keep linear momentum to rounding ({linear:.0e})")
     } else {
-        format!("Linear momentum is NOT kept by all: it changes by {linear:.0e}")
+        let lose = lose.join(", ");
+        format!("All keep linear momentum to rounding but {lose}: it changes by {linear:.0e}")
     };
     let (exact, others): (Vec<_>, Vec<_>) = rows.iter().partition(|(_, row)| row.keeps_angular);
     let angular = largest(others.iter().map(|(_, row)| row.change_of_angular_momentum));

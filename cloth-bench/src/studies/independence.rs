@@ -44,6 +44,9 @@ fn meshes_and_steps(scope: Scope) -> MeshesAndSteps {
 /// Vertices a side and steps per second of the converged value.
 const FINEST: [(u32, u32); 2] = [(17, 240), (64, 480)];
 
+/// A fall that is off by no more than this part is right.
+const NEAR: Real = 0.05;
+
 /// Where a sheet is after half a second.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Fallen {
@@ -126,9 +129,17 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             "{method} falls {by_size} of the converged way over all resolutions and {by_step} over all steps, at {strain} times the strain",
         )
     });
+    let is_near = |row: &Compared| (row.fall_over_converged - 1.0).abs() <= NEAR;
+    let mut near = methods();
+    near.retain(|method| {
+        let mut own = rows.iter().filter(|(point, _)| point.method == *method);
+        own.all(|(_, row)| is_near(row))
+    });
     study.section.verdict = Some(format!(
-        "Converged, the sheet falls {} m in 0.5 s. {}. {lopsided}",
-        significant(converged.fall.0, 4),
+        "Converged, the sheet falls {} m in 0.5 s; within {} of that on every mesh and with every step: {}.\n{}. {lopsided}",
+        significant(converged.fall.0, 2),
+        percent(NEAR),
+        near.join(", "),
         told.join("; ")
     ));
     study.table(

@@ -82,7 +82,7 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds, drapes: &Drapes) ->
     let constant = if least > 0.9 && most < 1.1 {
         "confirmed"
     } else {
-        "REFUTED"
+        "not right"
     };
     let [weakest, strongest] = cones.placed;
     let constant = format!(
@@ -101,7 +101,7 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds, drapes: &Drapes) ->
         let judged = if from > 0.5 && to < 2.0 {
             "confirmed within a factor of 2"
         } else {
-            "REFUTED as a sharp number"
+            "no sharp number"
         };
         format!(
             "As the edge length at which a fold under its own weight locks, l* is {judged}: {} of {} sheets lose half of their bending, at l = {from:.2} to {to:.2} l*; the others have lines of edges along the fold, or are not yet that stiff",
@@ -127,6 +127,6 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds, drapes: &Drapes) ->
         format!(" Soft and stiff, they come down by {coarse}, and made finer by {fine}.")
     });
     format!(
-        "{count} {constant} The most locked cone is {pattern}, {cells} cells, l = {ratio:.1} l*, at {energy:.1} times the developable energy. {onset}. {draped}.{resolved}"
+        "{count}\n{constant} The most locked cone is {pattern}, {cells} cells, l = {ratio:.1} l*, at {energy:.1} times the developable energy. {onset}. {draped}.{resolved}"
     )
 }

@@ -61,7 +61,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let fourth = convexity::run(study);
     let fifth = study.chapter("overshoot", |findings, _| overshoot::draw(findings));
     let fifth = fifth.unwrap_or_default();
-    study.section.verdict = Some(format!("{third} {first} {second} {fourth} {fifth}"));
+    study.section.verdict = Some(format!("{third}\n{first} {second} {fourth} {fifth}"));
     Ok(())
 }
 

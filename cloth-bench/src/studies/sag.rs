@@ -35,7 +35,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let guide = substeps(study);
     let diameter = iterations(study);
     study.section.verdict = Some(format!(
-        "The chain sags by its law {holds}. {guide} {diameter}"
+        "The chain sags by its law {holds}.\n{guide} {diameter}"
     ));
     Ok(())
 }

@@ -176,7 +176,7 @@ fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<R
         }
         progress(&format!("scale: {method} at {side} × {side}"));
         let started = Instant::now();
-        match alone(method, side, STEPS, scope.of(BUDGET))? {
+        match alone(method, side, STEPS, "", scope.of(BUDGET))? {
             Ok(size) => {
                 reach.sizes.push(size);
                 last = Some((side, started.elapsed()));
@@ -198,11 +198,13 @@ fn too_much(last: Option<&Size>) -> Option<Real> {
     (needed > 0.8 * free).then_some(needed / 1e9)
 }
 
-/// A run of so many steps of the hanging sheet in a process of its own, or why there is none.
+/// A run of so many steps of the hanging sheet in a process of its own, with `settings` (`key=value key=value`), or why
+/// there is none.
 pub(super) fn alone(
     method: &str,
     side: u32,
     steps: u32,
+    settings: &str,
     budget: Duration,
 ) -> Result<Result<Size, String>, BenchError> {
     let program = std::env::current_exe()?;
@@ -217,6 +219,7 @@ pub(super) fn alone(
         .args(["run", "hang", "--method", method, "--n", &side_text])
         .args(["--steps", &steps, "--json"])
         .args(dt)
+        .args(settings.split_whitespace().flat_map(|set| ["--set", set]))
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::null())

@@ -87,7 +87,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let noise = times.iter().map(|(_, t)| (t.again - 1.0).abs());
     let noise = noise.fold(0.0, Real::max);
     let mut verdict = format!(
-        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %. {memory}",
+        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.\n{memory}",
         100.0 * noise
     );
     let mut fewest = weights.iter().filter_map(|((name, features), weight)| {

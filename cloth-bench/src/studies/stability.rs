@@ -42,7 +42,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let rows = of_map.map(|((_, method, down), fates)| (method, **down, &fates[..]));
         told.push(draw(map, scope, rows, study));
     }
-    study.section.verdict = Some(told.join(" "));
+    study.section.verdict = Some(told.join("\n"));
     Ok(())
 }
 

@@ -73,7 +73,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             never.join(", ")
         ),
     };
-    study.section.verdict = Some(format!("A second thread: {}", told.trim_end_matches(':')));
+    let told_here = told
+        .trim_end_matches([':', '.'])
+        .replacen("It", "A second thread", 1);
+    study.section.verdict = Some(format!("{told_here}."));
     let question = "When does a second thread help?";
     study.answer(question, told, helps, "figure-threads");
     Ok(())

@@ -71,10 +71,12 @@ impl RigidMotion {
     pub fn pose_at(&self, time: Real) -> Pose {
         let mut pose = self.pose;
         pose.position += self.velocity * time;
-        if self.angular_velocity == Vec3::zeros() {
+        let turn = self.angular_velocity * time;
+        // After no time the pose itself: a step begins where the last one has ended, to the last digit.
+        if turn == Vec3::zeros() {
             return pose;
         }
-        let mut pose = pose.turned(self.angular_velocity * time);
+        let mut pose = pose.turned(turn);
         // Products of many turns drift away from unit length.
         pose.orientation.renormalize();
         pose

@@ -408,6 +408,11 @@ impl ContactSource for PotentialContacts {
         self.contacts.energy
     }
 
+    fn can_touch(&self) -> bool {
+        let Contacts { near, bodies, .. } = &self.contacts;
+        near.own.self_collision || !bodies.is_empty() || !self.surfaces.list.is_empty()
+    }
+
     fn held(&self) -> usize {
         self.contacts.held
     }

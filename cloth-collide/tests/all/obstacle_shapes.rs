@@ -312,6 +312,22 @@ fn numbers_out_of_range_are_refused_by_name() {
     says(Obstacle::moving(floor, nowhere).unwrap_err(), "position");
 }
 
+/// To the last digit: contact that is told of another start looks for crossings anew, and for all pairs.
+#[test]
+fn a_turning_obstacle_begins_a_step_where_the_last_one_has_ended() {
+    let (shape, turn) = (Sphere::new(1.0).unwrap(), Vec3::new(0.3, -0.7, 2.0));
+    let motion = RigidMotion {
+        angular_velocity: turn,
+        ..RigidMotion::default()
+    };
+    let mut obstacle = Obstacle::moving(shape, motion).unwrap();
+    for _ in 0..1000 {
+        let end = obstacle.motion().pose_at(0.01);
+        obstacle.advance(0.01).unwrap();
+        assert_eq!(obstacle.motion().pose_at(0.0), end);
+    }
+}
+
 #[test]
 fn an_obstacle_moves_as_a_rigid_body() {
     let shape = Cuboid::new(v(0.3, 0.5, 0.1)).unwrap();

@@ -145,6 +145,10 @@ where
         self.contacts.potential_energy() + self.energy
     }
 
+    fn can_touch(&self) -> bool {
+        !self.volumes.is_empty() || self.contacts.can_touch()
+    }
+
     fn held(&self) -> usize {
         self.contacts.held()
     }

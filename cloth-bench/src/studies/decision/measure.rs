@@ -49,11 +49,11 @@ impl Cost {
         let budget = 3 * budget(scope);
         for (side, ms) in sides.into_iter().zip(&mut cost.ms) {
             let [few, many] = TIMED;
-            let Ok(mut size) = scale::alone(method, side, few, budget)? else {
+            let Ok(mut size) = scale::alone(method, side, few, "", budget)? else {
                 continue;
             };
             if size.ms_per_step < long(scope)
-                && let Ok(longer) = scale::alone(method, side, many, budget)?
+                && let Ok(longer) = scale::alone(method, side, many, "", budget)?
             {
                 size = longer;
             }
@@ -138,7 +138,7 @@ pub fn hopeless(scope: Scope) -> Result<String, BenchError> {
 /// The memory (B) of the method of which no step is stable.
 pub(super) fn hopeless_memory(scope: Scope) -> Result<Option<Real>, BenchError> {
     let [_, large] = sides(scope);
-    let size = scale::alone(scale::WITHOUT, large, TIMED[0], budget(scope))?;
+    let size = scale::alone(scale::WITHOUT, large, TIMED[0], "", budget(scope))?;
     let memory = size.map_err(BenchError::Failed)?.memory;
     Ok(memory.map(|bytes| bytes as Real))
 }
@@ -167,6 +167,12 @@ pub(super) struct Drape {
 }
 
 impl Contact {
+    /// Whether it has been ended because it would have taken too long.
+    pub(super) fn is_too_long(&self) -> bool {
+        let reason = self.drape.reason.as_deref();
+        reason.is_some_and(|reason| reason.contains("longer than"))
+    }
+
     pub(super) fn measure(scope: Scope, method: &Method) -> Result<Self, BenchError> {
         let (_, n, steps) = small(scope);
         let settings = Settings::default().with("n", n);

@@ -1,8 +1,13 @@
 //! What a feature costs in memory: everything that a scene, its solver, its contact and the first step ask for.
 
+use super::super::scale;
 use super::{Presence, Variant, settings};
 use crate::memory::{Allocated, allocated};
 use crate::studies::prelude::*;
+use std::time::Duration;
+
+/// Vertices a side of the sheet that is held.
+const SIDE: [u32; 2] = [9, 33];
 
 /// Names, whether settings are those of the method, and the settings without the feature, with it unused and in use.
 /// Without any: a hook of the step.
@@ -17,7 +22,7 @@ pub(super) const FEATURES: [(&str, bool, [&str; 3]); 13] = [
     ("coarse level", false, ["", "level=0", "level=1"]),
     ("strain limiting", true, ["", "strain_limit=none", "strain_limit=0.05"]),
     ("air drag", true, ["", "air_drag=0", "air_drag=1"]),
-    ("stiffness damping", true, ["", "stiffness_damping=0", "stiffness_damping=1e-4"]),
+    ("stiffness damping", true, ["", "stiffness_damping=0", "stiffness_damping=1e-6"]),
     ("damping of constraints", true, ["", "damping=0", "damping=1e-4"]),
     ("Chebyshev", true, ["iterations=20", "iterations=20 chebyshev=none", "iterations=20 chebyshev=0.9"]),
     ("coarse levels of PBD", true, ["", "hierarchy=none", "hierarchy=1"]),
@@ -91,9 +96,86 @@ pub fn features() -> impl Iterator<Item = (&'static str, &'static str)> {
         .map(|((feature, ..), method)| (feature, method.name))
 }
 
+/// Peaks (MB) of processes that take a step without a feature, with it unused, and with it in use; none where the system
+/// does not tell.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Resident {
+    #[serde(rename = "without (MB)")]
+    without: Option<Real>,
+    #[serde(rename = "unused − without (MB)")]
+    unused: Option<Real>,
+    #[serde(rename = "in use − without (MB)")]
+    used: Option<Real>,
+}
+
+/// Those of a sheet of `n` vertices a side with a feature that is settings.
+fn resident(n: u32, feature: &str, method: &str) -> Result<Resident, BenchError> {
+    let known = FEATURES.iter().find(|known| known.0 == feature);
+    let (_, _, settings) = known.copied().unwrap_or_default();
+    let mut peaks = [None; 3];
+    for (peak, settings) in peaks.iter_mut().zip(settings) {
+        let size = scale::alone(method, n, 1, settings, Duration::from_secs(60))?;
+        let bytes = size.map_err(BenchError::Failed)?.memory;
+        *peak = bytes.map(|bytes| bytes as Real / 1e6);
+    }
+    let [without, unused, used] = peaks;
+    let more = |peak: Option<Real>| Some(peak? - without?);
+    Ok(Resident {
+        without,
+        unused: more(unused),
+        used: more(used),
+    })
+}
+
+/// All features and methods at a glance: what is held where nothing is used, allocated and resident.
+fn at_a_glance(study: &mut StudyRun<'_>, rows: &[((&str, &str), Held)]) -> String {
+    let n = study.scope.pick(24, 128);
+    let is_setting = |&(feature, _): &(&str, &str)| {
+        let mut known = FEATURES.iter().filter(|known| known.0 == feature);
+        known.any(|(_, _, settings)| *settings != [""; 3])
+    };
+    let peaks = study.grid(
+        features().filter(is_setting),
+        |(feature, method)| format!("resident, {feature}, {method}"),
+        |(feature, method)| resident(n, feature, method),
+    );
+    let peak = |row: (&str, &str)| {
+        let found = peaks.iter().find(|(of, _)| *of == row);
+        found.and_then(|(_, peak)| peak.unused)
+    };
+    let names: Vec<&str> = method::all().map(|method| method.name).collect();
+    let mut table = Table::about("feature", names.iter().map(|name| (*name).to_owned()));
+    for (feature, ..) in FEATURES {
+        let cells = names.iter().map(|method| {
+            let mut rows = rows.iter();
+            let row = rows.find(|(of, _)| *of == (feature, *method));
+            row.map_or(Cell::Missing, |(of, held)| {
+                let resident = peak(*of).map_or(String::new(), |mb| format!(", {mb:+.1} MB"));
+                Cell::said(format!("{} B{resident}", held.unused))
+            })
+        });
+        table.line(feature, cells);
+    }
+    let caption = format!(
+        "What a feature that is not used takes: bytes held by a sheet of {0} × {0} vertices, and how the peak of a process differs, {n} × {n} (– : the method does not have it)",
+        study.scope.of(SIDE)
+    );
+    let shown = ("skip-features".to_owned(), caption, table);
+    study.section.tables.push(shown);
+    let caption = format!("Peaks of processes that take one step of the {n} × {n} sheet");
+    study.table(
+        "skip-resident",
+        &caption,
+        Table::named(&["feature", "method"], &peaks),
+    );
+    let unused = peaks.iter().filter_map(|(_, peak)| peak.unused);
+    let most = unused.fold(0.0, |most: Real, mb| most.max(mb.abs()));
+    format!("The peak of a process differs by {most:.1} MB at most where a feature is unused.")
+}
+
 /// Measures all, and says what is not free.
 pub(super) fn run(study: &mut StudyRun<'_>) -> String {
-    let n = study.scope.pick(9, 33); // vertices a side
+    let n = study.scope.of(SIDE);
     let rows = study.grid(
         features(),
         |(feature, method)| format!("memory, {feature}, {method}"),
@@ -101,6 +183,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
     );
     let caption =
         format!("Memory of the {n} × {n} sheet with and without a feature, after one step");
+    let peaks = at_a_glance(study, &rows);
     let table = Table::named(&["feature", "method"], &rows);
     study.table("skip-memory", &caption, table);
     let costly = rows.iter().filter(|(_, held)| held.unused != 0);
@@ -110,9 +193,10 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
         .collect_vec();
     let most = rows.iter().map(|(_, held)| held.unused).max().unwrap_or(0);
     format!(
-        "Of {} features {} hold no memory where they are not used; the others ({}) up to {most} bytes.",
+        "Of {} features {} hold no memory where they are not used; the others ({}) up to {:.0} kB, which a contact hook holds for the mesh that it was made for. {peaks}",
         FEATURES.len(),
         FEATURES.len() - costly.len(),
-        costly.join(", ")
+        costly.join(", "),
+        1e-3 * most as Real
     )
 }

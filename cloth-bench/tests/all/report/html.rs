@@ -74,6 +74,7 @@ fn nasty() -> Report {
         question: nasty.into(),
         leads: false,
         verdict: Some(nasty.into()),
+        detail: nasty.into(),
         command: nasty.into(),
         plots: vec![(nasty.into(), plot.draw().svg)],
         pictures: vec![Picture {
@@ -108,6 +109,19 @@ fn the_page_needs_nothing_from_outside() {
     assert!(!html.contains("<link") && !html.contains("@import") && !html.contains("url("));
 }
 
+/// Of a section's answer a sentence and the way to its figure are to be seen, the numbers behind it on demand.
+#[test]
+fn an_answer_leads_to_its_figure_and_its_numbers_are_folded_away() {
+    let mut report = nasty();
+    report.sections[0].plots[0].0 = "sag".into();
+    report.sections[0].verdict = Some("It sags.".into());
+    report.sections[0].detail = "By 1 mm.".into();
+    let html = report.to_html();
+    let answer = "<p class=\"verdict\">It sags. <a href=\"#figure-sag\">figure</a></p>";
+    let numbers = "<details><summary>In numbers</summary><p>By 1 mm.</p></details>";
+    assert!(html.contains(&format!("{answer}\n{numbers}")));
+}
+
 #[test]
 fn the_section_that_leads_comes_before_the_answers() {
     let mut report = nasty();
@@ -121,13 +135,14 @@ fn the_section_that_leads_comes_before_the_answers() {
     assert_eq!(html.matches("<section").count(), 2);
 }
 
-/// Contents lead to sections, and answers to their plots and tables.
+/// Contents lead to sections, and answers to their plots and tables, of sections too.
 #[test]
 fn every_link_leads_somewhere() {
     let html = nasty().to_html();
     let targets = html.split("href=\"#").skip(1);
     let targets: Vec<&str> = targets.filter_map(|rest| rest.split('"').next()).collect();
-    let places = ["<figure class=\"plot\"", "<div", "<section", "<section"];
+    let figure = "<figure class=\"plot\"";
+    let places = [figure, "<div", "<section", "<section", figure, figure];
     assert_eq!(targets.len(), places.len());
     for (target, place) in targets.iter().zip(places) {
         assert!(

@@ -49,7 +49,7 @@ fn marks_tell_the_best_from_the_unfit() {
     assert_eq!(below, [best, plain, plain, unfit]);
     let above = marks(Rule::Above(1e4), [1e9, 1e8, 1e4, 1e3]);
     assert_eq!(above, [best, plain, plain, unfit]);
-    let near = marks(Rule::Reference, [1.0, 0.96, 0.5, 2.1]);
+    let near = marks(Rule::Reference(0.5), [1.0, 0.96, 1.5, 1.6]);
     assert_eq!(near, [best, best, plain, unfit]);
     assert_eq!(
         marks(Rule::One, [1.0, 0.8, 0.6, 0.4]),
