@@ -70,7 +70,7 @@ pub struct ImplicitConfig {
     ///
     /// The change that the decrement is compared with counts as `10⁻³ √(2 (G_start − G))` at least, a thousandth of the
     /// velocity that the energy released since the start would make: cloth crushed to a point need not be exact to a
-    /// fraction of the little that is left.
+    /// fraction of the little that is left. Where something touches, a step ends at 0.3 of the tolerance.
     pub tolerance: Real,
     /// Which second derivative Newton's method uses.
     pub hessian: HessianPolicy,

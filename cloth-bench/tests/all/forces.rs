@@ -300,7 +300,7 @@ fn program_writes_the_forces_on_bodies() {
     let table = path.with_extension("csv");
     let run = |scene: &str, more: &[&str]| {
         let table = table.to_str().unwrap();
-        let mut arguments = vec!["run", scene, "--method", "implicit-euler", "--steps", "40"];
+        let mut arguments = vec!["run", scene, "--method", "implicit-euler", "--steps", "80"];
         arguments.extend(["--forces", table]);
         arguments.extend(more);
         let out = program(&arguments);
@@ -314,10 +314,10 @@ fn program_writes_the_forces_on_bodies() {
         .skip(1)
         .map(|line| line.split(',').map(|n| n.parse().unwrap()).collect())
         .collect();
-    assert_eq!(rows.len(), 120);
-    let [ball, floor, plane] = [&rows[117], &rows[118], &rows[119]];
+    assert_eq!(rows.len(), 240);
+    let [ball, floor, plane] = [&rows[237], &rows[238], &rows[239]];
     assert_eq!([ball, floor, plane].map(|row| row[2]), [1.0, 2.0, 3.0]);
-    assert_eq!((ball[0], ball.len()), (40.0, 15));
+    assert_eq!((ball[0], ball.len()), (80.0, 15));
     let weight = 0.2 * 0.16 * 9.81;
     assert!(
         (floor[5] + weight).abs() < 1e-3 * weight,

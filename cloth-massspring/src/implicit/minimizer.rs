@@ -29,7 +29,10 @@ pub(super) const LOST: Real = 1e-3;
 /// Relative gradient norm below which Newton's method finishes, where a tolerance asks for less: it converges
 /// quadratically there, down to rounding, the quasi-Newton method linearly.
 const FINISH: Real = 1e-5;
-/// The same as a multiple of the estimate of rounding: one Newton step from there ends well below it.
+/// Factor on the tolerance where something touches: friction holds what lies near its limit, and what it does not hold
+/// is a small part of all forces. With all of the tolerance a handkerchief that should slide off a corner stays there.
+const TOUCHING: Real = 0.3;
+/// The same as FINISH as a multiple of the estimate of rounding: one Newton step from there ends well below it.
 const LEFT: Real = 1e4;
 /// Where much energy is released after the start, as from cloth crushed to a point, the decrement is compared with at
 /// least this fraction of the velocity that the energy would make.
@@ -274,6 +277,8 @@ impl Minimizer {
             let is_finishing = task.config.tolerance < FINISH && contact.is_none();
             let (tolerance, least) = if is_finishing {
                 (FINISH, LEFT * rounding)
+            } else if contact.is_some() && method.is_touching() {
+                (TOUCHING * task.config.tolerance, rounding)
             } else {
                 (task.config.tolerance, rounding)
             };

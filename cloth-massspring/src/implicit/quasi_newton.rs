@@ -157,6 +157,11 @@ impl QuasiNewton {
         }
     }
 
+    /// Whether contacts were active where the matrix was taken last.
+    pub(super) fn is_touching(&self) -> bool {
+        !self.rows.is_empty()
+    }
+
     /// The matrix (N/m) that was taken last.
     pub(super) fn matrix(&self) -> &BlockMatrix {
         &self.matrix

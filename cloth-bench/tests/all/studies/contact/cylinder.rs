@@ -4,8 +4,8 @@ use cloth_bench::studies::contact::cylinder::{pressing, pressing_at, slipping, s
 use cloth_bench::studies::contact::laws::Measured;
 
 /// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. A tolerance is a
-/// part of all forces, which at the ends are thousands of times what moves the strip: implicit Euler to 1e-3 lets go
-/// late (1.2 % to 1e-5), projective dynamics to 0.1 too, one linear solve a step later; position-based dynamics with one
+/// part of all forces, which at the ends are thousands of times what moves the strip: implicit Euler lets go late
+/// (1.2 % to 1e-5), projective dynamics to 0.1 too, one linear solve a step later; position-based dynamics with one
 /// substep does not let go.
 #[test]
 fn strips_slip_at_the_ratio_of_their_polygon() {
@@ -20,7 +20,8 @@ fn strips_slip_at_the_ratio_of_their_polygon() {
         let Measured { expected, measured } = slipping(name, 0.3).unwrap();
         let over = measured.0 / expected.0 - 1.0;
         let most = match name {
-            "implicit-euler" | "pd" => 0.07,
+            "implicit-euler" => 0.05,
+            "pd" => 0.07,
             "linear-implicit" => 0.25,
             _ => 0.035,
         };
@@ -79,7 +80,7 @@ fn strips_slip_and_press_as_far_around_as_they_go() {
         ("linear-implicit", 0.18, 3e-3),
         ("pd", 0.07, 5e-3),
         ("xpbd", 0.035, 3e-3),
-        ("implicit-euler", 0.07, 4e-3),
+        ("implicit-euler", 0.05, 4e-3),
     ] {
         for degrees in [45.0, 90.0, 135.0] {
             let Measured { expected, measured } = wrapping(name, degrees).unwrap();
