@@ -1,3 +1,4 @@
 //! What scenes are built of.
 
+mod falls;
 mod pins;
