@@ -15,6 +15,7 @@ pub use build::build;
 pub use change::{Change, ChangeKind};
 pub use contact::{BodySurface, ContactSetup};
 
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::settings::{Parameter, Range::*, Settings, Table};
 use cloth::{EdgeSprings, Material, Stiffness};
@@ -208,26 +209,18 @@ impl Scene {
     #[must_use]
     pub fn fall(&self) -> Real {
         let places = &self.start.positions;
-        let ends = (places[0], places[0]);
-        let (low, high) = places
-            .iter()
-            .fold(ends, |(low, high), x| (low.inf(x), high.sup(x)));
+        let [low, high] = bounds(places.iter().copied());
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
         let obstacles = touch.flat_map(ContactSetup::obstacles);
         let obstacles = obstacles.filter(|o| o.shape().error_bound() < Real::INFINITY);
         let (mut below, mut above): (Real, Real) = (0.0, Real::INFINITY);
         for obstacle in obstacles {
-            let distances = places
-                .iter()
-                .map(|&x| obstacle.signed_distance(x, 0.0).value);
-            let (nearest, farthest) = distances
-                .fold((Real::INFINITY, 0.0), |(a, b): (Real, Real), d| {
-                    (a.min(d), b.max(d))
-                });
-            below = below.max(nearest);
+            let distance = |&x: &Vec3| obstacle.signed_distance(x, 0.0).value;
+            let distances = places.iter().map(distance);
             if obstacle.shape().bounds().is_none() && self.lies_level(obstacle) {
-                above = above.min(farthest);
+                above = above.min(distances.clone().fold(0.0, Real::max));
             }
+            below = below.max(distances.fold(Real::INFINITY, Real::min));
         }
         let fall = (high - low).amax() + below;
         if self.is_left_alone() {

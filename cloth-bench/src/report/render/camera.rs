@@ -1,5 +1,6 @@
 //! The camera: frames what is to be seen, and maps points to the picture.
 
+use crate::bounds::bounds;
 use cloth_core::math::Vec3;
 
 use super::{Projection, RenderError, SAMPLES, Surface, View};
@@ -64,17 +65,9 @@ impl Camera {
 
     /// Lower and upper bounds of `points` in camera axes (m).
     fn extent(&self, points: &[Vec3]) -> [Vec3; 2] {
-        let infinite = Vec3::repeat(f64::INFINITY);
-        points
-            .iter()
-            .fold([infinite, -infinite], |[low, high], point| {
-                let x = Vec3::new(
-                    self.right.dot(point),
-                    self.up.dot(point),
-                    self.back.dot(point),
-                );
-                [low.inf(&x), high.sup(&x)]
-            })
+        let axes = [self.right, self.up, self.back];
+        let seen = |point: &Vec3| Vec3::from(axes.map(|axis| axis.dot(point)));
+        bounds(points.iter().map(seen))
     }
 
     /// Moves the eye back until all corners are in the picture.
