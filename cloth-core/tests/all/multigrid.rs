@@ -304,3 +304,56 @@ fn contacts_beside_the_pattern_are_part_of_the_cycle() {
         assert_eq!(za, zb);
     }
 }
+
+/// Each vertex of the first half of the sheet presses on `count` places around its partner in the other half.
+fn dense_contacts(system: &System, count: u32, stiffness: Real) -> Vec<ContactRow> {
+    let vertices = system.mesh.vertex_count() as u32;
+    let row = |vertex: u32, k: u32| {
+        let corners = [0, 1, 2].map(|j| (vertex + vertices / 2 + j * (k + 1)) % vertices);
+        let part = 0.9 / Real::from(k + 1);
+        let weights = [1.0, -part, 0.5 * (part - 1.0), 0.5 * (part - 1.0)];
+        ContactRow {
+            vertices: [vertex, corners[0], corners[1], corners[2]],
+            weights,
+            normal: (Vec3::z() + noise((vertex * 7 + k) as usize) * 0.1).normalize(),
+            stiffness,
+        }
+    };
+    let vertices = 0..vertices / 2;
+    vertices
+        .flat_map(|v| (0..count).map(move |k| row(v, k)))
+        .collect()
+}
+
+#[test]
+fn many_contacts_of_the_same_vertices_are_one_where_the_grid_is_coarse() {
+    let system = system(sheet(33), 1e-5, true);
+    let rows = contacts(&system, 1e2);
+    // In five parts they are what they were.
+    let part = |row: &ContactRow| ContactRow {
+        stiffness: row.stiffness / 5.0,
+        ..*row
+    };
+    let parts: Vec<ContactRow> = rows.iter().flat_map(|row| [part(row); 5]).collect();
+    let r = free_noise(&system, 3);
+    let [whole, split] = [&rows, &parts].map(|rows| {
+        let mut multigrid =
+            Multigrid::new(&system.matrix, &system.is_free, system.mesh.positions());
+        assert!(multigrid.refresh_with(&system.matrix, rows));
+        let mut z = r.clone();
+        multigrid.apply(&r, &mut z);
+        z
+    });
+    let off: Vec<Vec3> = whole.iter().zip(&split).map(|(a, b)| a - b).collect();
+    let off = (dot(&off, &off) / dot(&whole, &whole)).sqrt();
+    println!("in parts: {off}");
+    assert!(off < 1e-6, "{off}");
+
+    let alone = iterations_with(&system, &[], &[]);
+    for stiffness in [1e3, 1e5] {
+        let rows = dense_contacts(&system, 6, stiffness);
+        let [known, unknown] = [&rows[..], &[]].map(|known| iterations_with(&system, &rows, known));
+        println!("{stiffness} N/m: {alone} alone, {known} with contacts, {unknown} if not told");
+        assert!(2 * known < unknown, "{stiffness} N/m: {known} {unknown}");
+    }
+}

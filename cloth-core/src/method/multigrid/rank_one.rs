@@ -1,16 +1,32 @@
 //! Additions of rank one that come and go: contacts between vertices that the pattern of the matrix does not couple.
 //!
 //! Each is `k J Jᵀ` with `J_i = w_i n`, so on every level it is a list of weighted vertices: `PᵀJ` has the weights
-//! `Pᵀw`. Nothing is assembled and no pattern changes. Relaxation keeps the product `s = J·x` of each up to date as
-//! vertices move, as position-based methods do with their constraints.
+//! `Pᵀw`. Nothing is assembled and no pattern changes. Where a level is coarser than contacts are dense, many of them
+//! press on the same vertices along the same normal: they are one there ([`RankOne::restrict`]). Relaxation keeps the
+//! product `s = J·x` of each up to date as vertices move, as position-based methods do with their constraints.
 
 use super::blocks::{Lanes, lanes, plus, vector};
 use super::prolongation::Prolongation;
 use crate::contact::ContactRow;
-use crate::math::{Mat3, Real};
+use crate::math::{Mat3, Real, Vec3};
 
 /// Weights below this part of the largest one are left out of a coarse level.
 const NEGLIGIBLE: Real = 1e-3;
+
+/// Sorts weights by vertex, from the one of number `first` on, and adds up those of one vertex.
+fn add_up(weights: &mut Vec<(u32, Real)>, first: usize) {
+    weights[first..].sort_unstable_by_key(|member| member.0);
+    let mut last = first;
+    for k in first + 1..weights.len() {
+        if weights[k].0 == weights[last].0 {
+            weights[last].1 += weights[k].1;
+        } else {
+            last += 1;
+            weights[last] = weights[k];
+        }
+    }
+    weights.truncate((last + 1).min(weights.len()));
+}
 
 /// The additions on one level.
 #[derive(Debug, Default)]
@@ -25,8 +41,9 @@ pub(super) struct RankOne {
     offsets: Vec<u32>,
     /// `s` of each (√(N m)).
     sums: Vec<f32>,
-    /// Room for the weights of one on the next level.
+    /// Room for the weights of one, and for the numbers of those that become one on this level.
     gathered: Vec<(u32, Real)>,
+    groups: Vec<(u64, u32)>,
 }
 
 impl RankOne {
@@ -50,32 +67,71 @@ impl RankOne {
         self.index(is_free.len());
     }
 
-    /// Takes over those of a finer level.
+    /// Takes over those of a finer level. Those between the same two vertices, by their largest weights, and with
+    /// nearly the same normal are one from here on: with their mean w and n by stiffness, and as much of a trace.
     pub(super) fn restrict(&mut self, fine: &Self, prolongation: &Prolongation) {
         self.clear();
+        let mut groups = std::mem::take(&mut self.groups);
+        groups.clear();
+        let numbers = 0..fine.normals.len() as u32;
+        groups.extend(numbers.map(|number| (fine.key(number as usize, prolongation), number)));
+        groups.sort_unstable();
         let mut gathered = std::mem::take(&mut self.gathered);
-        for number in 0..fine.normals.len() {
+        for alike in groups.chunk_by(|a, b| a.0 == b.0) {
             gathered.clear();
-            for &(vertex, weight) in fine.members(number) {
-                for &(parent, share) in prolongation.of_fine(vertex as usize) {
-                    gathered.push((parent, weight * share));
+            let (mut normal, mut stiffness, mut trace) = (Vec3::zeros(), 0.0, 0.0);
+            for &(_, number) in alike {
+                let number = number as usize;
+                let mut n = vector(&fine.normals[number]);
+                let k = n.norm_squared();
+                let along = if normal.dot(&n) < 0.0 { -1.0 } else { 1.0 };
+                n *= along;
+                normal += n * k.sqrt();
+                stiffness += k;
+                let first = gathered.len();
+                for &(vertex, weight) in fine.members(number) {
+                    for &(parent, share) in prolongation.of_fine(vertex as usize) {
+                        gathered.push((parent, weight * share * along * k));
+                    }
+                }
+                add_up(&mut gathered, first);
+                trace += gathered[first..].iter().map(|m| m.1 * m.1).sum::<Real>() / k;
+            }
+            add_up(&mut gathered, 0);
+            let largest = gathered.iter().fold(0.0, |a: Real, m| a.max(m.1.abs()));
+            gathered.retain(|m| m.1.abs() > NEGLIGIBLE * largest);
+            let squares = gathered.iter().map(|m| m.1 * m.1).sum::<Real>();
+            let length = normal.norm();
+            if squares > 0.0 && length > 0.0 {
+                let members = gathered.iter().map(|&(vertex, w)| (vertex, w / stiffness));
+                self.members.extend(members);
+                let k = trace * stiffness * stiffness / squares;
+                self.close(lanes(&(normal * (k.sqrt() / length))));
+            }
+        }
+        (self.gathered, self.groups) = (gathered, groups);
+        self.index(prolongation.coarse_count());
+    }
+
+    /// What tells apart those that stay apart on the next level: the vertices there of the largest weights of both
+    /// signs, and the axis that is nearest to the normal.
+    fn key(&self, number: usize, prolongation: &Prolongation) -> u64 {
+        let mut ends = [u32::MAX; 2];
+        let mut most = [0.0; 2];
+        for &(vertex, weight) in self.members(number) {
+            let side = usize::from(weight < 0.0);
+            let parents = prolongation.of_fine(vertex as usize).iter();
+            for &(parent, share) in parents {
+                let size = weight.abs() * share;
+                if size > most[side] {
+                    (ends[side], most[side]) = (parent, size);
                 }
             }
-            gathered.sort_unstable_by_key(|member| member.0);
-            gathered.dedup_by(|next, first| {
-                let same = next.0 == first.0;
-                if same {
-                    first.1 += next.1;
-                }
-                same
-            });
-            let largest = gathered.iter().fold(0.0, |a: Real, m| a.max(m.1.abs()));
-            let counts = gathered.iter().filter(|m| m.1.abs() > NEGLIGIBLE * largest);
-            self.members.extend(counts);
-            self.close(fine.normals[number]);
         }
-        self.gathered = gathered;
-        self.index(prolongation.coarse_count());
+        ends.sort_unstable();
+        let axis = vector(&self.normals[number]).iamax();
+        let ends = ends.map(|end| u64::from(end & 0x3fff_ffff));
+        ends[0] << 34 | ends[1] << 2 | axis as u64
     }
 
     fn clear(&mut self) {
