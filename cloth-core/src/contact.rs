@@ -158,6 +158,12 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
         let _ = (x, out);
     }
 
+    /// Whether there are bodies that the forces at the end of a step push: a step that ends too early sends them
+    /// elsewhere.
+    fn has_free_bodies(&self) -> bool {
+        false
+    }
+
     /// Ends the step, which the method has ended at `x` (m) with velocities `v` (m/s): obstacles move on.
     fn end(&mut self, x: &[Vec3], v: &[Vec3]);
 }

@@ -280,7 +280,9 @@ impl PdSolver {
         }
         let is_coarse_ready = self.coarse.as_ref().is_some_and(CoarseGrid::is_ready);
         report.coarse_fallbacks += u32::from(self.lattice.is_some() && !is_coarse_ready);
-        let is_driven = matches!(self.method, Method::QuasiNewton(_)) && self.objective.is_driven();
+        let is_driven = matches!(self.method, Method::QuasiNewton(_))
+            && (self.objective.is_driven()
+                || contact.as_ref().is_some_and(|c| c.has_free_bodies()));
         let first = report.iterations;
         let goes_on = self.config.iterations.is_none();
         let knows_its_end =

@@ -158,6 +158,10 @@ impl ContactPotential for Timed {
         self.ask(|p| p.linearize_globally(x, out));
     }
 
+    fn has_free_bodies(&self) -> bool {
+        self.ask(|p| p.has_free_bodies())
+    }
+
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
         self.change(|p| p.end(x, v));
     }

@@ -200,6 +200,33 @@ fn net_throws_a_ball_back() {
     }
 }
 
+/// A stiffer one, which the ball meets off its middle: what a step leaves undone is the speed of the ball.
+#[test]
+fn trampoline_throws_a_ball_no_higher_than_it_fell() {
+    let text = "[[mesh]]\ngenerator = \"disk:16\"\nscale = 2\n[cloth]\ndensity = 0.5\nstiffness = 15000\n\
+                [[pins]]\nselect = \"border\"\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nmass = 2\n\
+                position = [0.2, 0.1, 0.5]\n[contact]\nfriction = 0.4\n";
+    let scene = scene("trampoline_ball", text);
+    let rebound = |method: &str, settings: &[&str]| {
+        let mut heights = Vec::new();
+        watch(&scene, method, settings, 60, |moment| {
+            heights.push(body(moment).pose.position.z);
+        });
+        let lowest = heights.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        let turn = lowest.map_or(0, |(turn, _)| turn);
+        heights[turn..].iter().copied().fold(f64::MIN, f64::max)
+    };
+    let exact = rebound("implicit-euler", &["tolerance=1e-6"]);
+    for (method, most) in [("implicit-euler", 0.01), ("pd", 0.03)] {
+        let height = rebound(method, &[]);
+        println!("{method}: {height} of {exact} m");
+        assert!(
+            (height - exact).abs() < most,
+            "{method}: {height} of {exact} m"
+        );
+    }
+}
+
 /// A box lies on a sheet on the floor: with the area A below it, it is a mass on two springs κ A in series, and a step
 /// Δt is stable below 2 √(2 m/κ A). The parts of a step that runs take are four times shorter.
 #[test]

@@ -245,6 +245,10 @@ impl ContactPotential for Contacts {
         out.extend(sticking.flat_map(|sticking| sticking.rows(reach, x)));
     }
 
+    fn has_free_bodies(&self) -> bool {
+        !self.free.list.is_empty()
+    }
+
     fn end(&mut self, x: &[Vec3], _: &[Vec3]) {
         self.is_open = false;
         let reach = self.reach();

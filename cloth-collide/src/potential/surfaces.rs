@@ -493,6 +493,10 @@ impl ContactPotential for PotentialContacts {
         }
     }
 
+    fn has_free_bodies(&self) -> bool {
+        self.contacts.has_free_bodies()
+    }
+
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
         self.contacts.end(self.surfaces.at(x), v);
     }

@@ -193,6 +193,10 @@ impl<C: ContactPotential> ContactPotential for Enclosed<C> {
             .for_each(|volume| volume.linearize(x, out));
     }
 
+    fn has_free_bodies(&self) -> bool {
+        self.contacts.has_free_bodies()
+    }
+
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
         self.contacts.end(x, v);
         self.end_at(x);
