@@ -87,11 +87,6 @@ impl Gap {
         }
     }
 
-    /// Whether one of the two points is on the boundary of a triangle, or the end of an edge.
-    pub(crate) fn is_at_boundary(&self) -> bool {
-        self.weights.contains(&0.0)
-    }
-
     /// ∂c/∂s for each place that is free to move, and how many are: on a corner nothing moves, on an edge the place
     /// between its ends, inside a triangle two of them.
     fn turns(&self) -> ([[Real; 4]; 2], usize) {

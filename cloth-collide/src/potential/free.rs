@@ -1,7 +1,6 @@
 //! Bodies that the cloth pushes: the impulses of contact on them, and what they make of these; see the
 //! [chapter](super#bodies-that-the-cloth-pushes).
 
-use super::rows::Rows;
 use super::source::Contacts;
 use crate::obstacle::{Obstacle, Pose, RigidBody, RigidMotion};
 use cloth_core::contact::ContactStep;
@@ -120,16 +119,16 @@ impl Contacts {
         if self.free.is_led {
             return;
         }
-        let Rows { rows, bodies, .. } = &self.rows;
+        let rows = &self.rows;
         for free in &mut self.free.list {
             let number = free.number;
             let motion = self.bodies[number].0.motion();
             let centre = motion.pose_at(step.dt).position;
             free.impulse = [Vec3::zeros(); 2];
-            bodies.each_impulse(number, step.dt, |v, impulse| {
+            rows.bodies.each_impulse(number, step.dt, |v, impulse| {
                 free.add(-impulse, x[v] - centre);
             });
-            for row in rows.iter().filter(|row| row.state.lambda > 0.0) {
+            for row in rows.touching() {
                 let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
                 for (v, weight) in row.pair.vertices.into_iter().zip(row.weights) {
                     if self.near.body_of(v) == Some(number) {

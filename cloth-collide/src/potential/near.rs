@@ -2,7 +2,6 @@
 
 use super::let_go::LetGo;
 use super::mollifier::Mollifier;
-use super::patches::NearPair;
 use super::pinched::Pinched;
 use super::sewn::Sewn;
 use crate::broad_phase::{BroadPhaseKind, TrianglePairs};
@@ -153,10 +152,10 @@ impl Near {
     }
 
     /// The area (m²) that a pair stands for at `x` (m).
-    pub(super) fn area_of(&self, found: &NearPair, x: &[Vec3; 4]) -> Real {
-        match found.pair.kind {
-            QueryKind::VertexTriangle => found.area,
-            QueryKind::EdgeEdge => found.area * self.mollifier(found.pair.vertices).at(x).0,
+    pub(super) fn area_of(&self, pair: Pair, area_at_rest: Real, x: &[Vec3; 4]) -> Real {
+        match pair.kind {
+            QueryKind::VertexTriangle => area_at_rest,
+            QueryKind::EdgeEdge => area_at_rest * self.mollifier(pair.vertices).at(x).0,
         }
     }
 

@@ -55,7 +55,7 @@
 //!   over the substeps. *Travel* of two (`PatchPair::travel`): the displacements of c_p − c_q and the paths of both,
 //!   added up from look to look (`bring_up`) since the last detection. It never falls, and bounds the relative motion
 //!   since each look in between: a pair that lacks something then need not be asked before the travel has grown by that
-//!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`Known`). For the paths of a minimisation
+//!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`known_at`). For the paths of a minimisation
 //!   it is the changes that are added up, and nearest points are not kept.
 //! - *Clock* of a patch (`Motions::clocks`): the displacement of its centre besides that of the mean of all of the
 //!   cloth, and its path, added up over the substeps. It never goes back, and two patches move relative to each other
@@ -76,8 +76,8 @@ mod motions;
 use super::near::Near;
 use crate::bounds::Bounds;
 use crate::broad_phase::BroadPhase;
-use crate::pair::{Gap, Pair};
-use between::PatchPair;
+use crate::pair::Pair;
+use between::{PatchPair, Visits};
 use cloth_core::math::{Mat3, Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use detect::Look;
@@ -85,6 +85,8 @@ use frame::{Four, Group};
 use measure::Allowed;
 use motions::Motions;
 
+/// Looks at pairs of patches whose rows are in one list.
+const LOOKS: usize = 512;
 /// Triangles in a patch, at most.
 const PATCH: usize = 32;
 /// Room (in thicknesses) of a search for pairs, at least.
@@ -108,40 +110,11 @@ pub(super) struct NearPair {
     /// Area (m²) that they stand for.
     pub(super) area: Real,
     pub(super) pair: Pair,
-    /// The substep that they were looked at in.
+    /// Travel of the patches (m) at which their nearest points were found; −∞ where these are not known.
+    pub(super) known_at: Real,
+    /// The substep that they were looked at in, from 1 on, and where their row is: the number of the list, and in it.
     seen: u32,
-    /// The number of what is remembered of them, if anything is.
-    memory: u32,
-}
-
-/// What is remembered of two primitives that have been looked at.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Memory {
-    pair: Pair,
-    /// By how much friction has been stretched (m).
-    pub(super) stretch: Vec3,
-    /// Across a plane that has had the two apart.
-    pub(super) normal: Vec3,
-    /// Where they were nearest when that was last found.
-    pub(super) known: Option<Known>,
-}
-
-/// Nearest points of two primitives, which stay while their patches hardly move against each other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
-    pub(super) gap: Gap,
-    /// Area (m²) that they stand for.
-    pub(super) area: Real,
-    /// Travel of the patches (m).
-    pub(super) travel: Real,
-}
-
-/// Where a pair is: its patches, the number that they had then, and its number there.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    patches: [u32; 2],
-    number: u32,
-    index: u32,
+    row: [u32; 2],
 }
 
 #[derive(Debug, Default)]
@@ -198,8 +171,9 @@ pub(super) struct Patches {
     /// Pairs of patches that the motion at hand asks for.
     looks: Vec<Look>,
     is_known: bool,
-    /// Number of the substep.
+    /// Number of the substep, and how many lists of rows it has begun with.
     substep: u32,
+    filled: usize,
     /// Pairs of patches that were looked into in this substep.
     awake: u32,
     /// Searches among pairs of patches so far, and among their triangles.
@@ -315,27 +289,9 @@ impl Patches {
         Some(0.5 * left.fold(known, Real::min))
     }
 
-    /// The pair at a place, or where it has gone since, and what is remembered of it.
-    pub(super) fn pair_mut(
-        &mut self,
-        place: Place,
-        pair: Pair,
-    ) -> Option<(&NearPair, &mut Memory)> {
-        let number = place.number as usize;
-        let number = match self.ids.get(number) {
-            Some(ids) if *ids == place.patches => number,
-            _ => self.ids.binary_search(&place.patches).ok()?,
-        };
-        let between = &mut self.pairs[number];
-        let pairs = &mut between.pairs;
-        let is_it = |found: &NearPair| found.pair == pair;
-        let index = match place.index as usize {
-            index if pairs.get(index).is_some_and(is_it) => index,
-            _ => pairs.iter().position(is_it)?,
-        };
-        let found = &mut pairs[index];
-        let memory = found.remember(&mut between.memories);
-        Some((found, memory))
+    /// Whether a pair has a row of this substep, or of the one before.
+    fn has_row(&self, pair: &NearPair) -> bool {
+        pair.seen > 0 && self.substep - pair.seen <= 1
     }
 
     /// Number of pairs of patches that are near enough to be looked at.
@@ -344,15 +300,19 @@ impl Patches {
         self.pairs.len()
     }
 
-    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and hands `visit` those that the
-    /// motion can bring into contact: all if the substep `begins`, and what it has not seen if the motion has become
-    /// another one. Returns false if a path is longer than some edges, which needs more room than patches have.
-    pub(super) fn look(
+    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and adds rows to `lists` of those that
+    /// the motion can bring into contact: all if the substep `begins`, and what it has not seen if the motion has
+    /// become another one. Returns false if a path is longer than some edges, which needs more room than patches have.
+    ///
+    /// `visit` adds one row to the list that it gets, for a pair, with where its row of the substep before is, if it had
+    /// one, and the travel (m) of its patches; it returns what the pair lacks to contact (m).
+    pub(super) fn look<T: Send>(
         &mut self,
         near: &Near,
         [x, to]: [&[Vec3]; 2],
         begins: bool,
-        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
+        lists: &mut Vec<Vec<T>>,
+        visit: impl Fn(&mut Vec<T>, &mut NearPair, Option<[u32; 2]>, Real) -> Real + Sync,
     ) -> bool {
         self.measure(to, false);
         let (aim, then) = (&mut self.aim, &self.then);
@@ -406,26 +366,28 @@ impl Patches {
             }
         }
         self.find(near, x, &mut looks);
-        let substep = self.substep;
+        // What is seen at the beginning fills some lists, and what else comes the next one.
+        let first = if begins { 0 } else { self.filled };
+        let count = match begins {
+            true => looks.len().div_ceil(LOOKS),
+            false => 1,
+        };
+        if begins {
+            self.filled = count;
+        }
+        if lists.len() <= first + count {
+            lists.resize_with(first + count + 1, Vec::new);
+        }
+        let visits = Visits {
+            substep: self.substep,
+            vertices: x.len(),
+            visit: &visit,
+        };
+        let lists = &mut lists[first..first + count];
+        visits.wake_all(&mut looks, (&mut self.pairs, 0), (lists, first as u32));
         for look in &looks {
             let k = look.number as usize;
-            let pair = &mut self.pairs[k];
-            let (patches, begun) = (pair.patches, pair.travel);
-            pair.looked = [look.moved, begun + look.once];
-            pair.looked_in = substep;
-            let left = pair.wake(look, |index, one, memories| {
-                // Once in a substep.
-                (std::mem::replace(&mut one.seen, substep) != substep).then(|| {
-                    let place = Place {
-                        patches,
-                        number: look.number,
-                        index,
-                    };
-                    let memory = one.remember(memories);
-                    visit(place, one, memory, begun)
-                })
-            });
-            self.quiet[k] = self.clock(&self.now, patches) + left - slack;
+            self.quiet[k] = self.clock(&self.now, self.ids[k]) + look.left - slack;
         }
         self.looks = looks;
         true

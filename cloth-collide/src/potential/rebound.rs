@@ -54,10 +54,15 @@ impl Rebounds {
     }
 
     /// Takes those between pieces of a substep that ends at `x` (m).
-    pub(super) fn find(&mut self, rows: &[Row], near: &Near, step: &ContactStep<'_>, x: &[Vec3]) {
+    pub(super) fn find<'a>(
+        &mut self,
+        touching: impl Iterator<Item = &'a Row>,
+        near: &Near,
+        step: &ContactStep<'_>,
+        x: &[Vec3],
+    ) {
         self.list.clear();
         let least = self.least(near);
-        let touching = rows.iter().filter(|row| row.state.lambda > 0.0);
         for row in touching.filter(|row| row.approach.abs() > least) {
             let of_bodies = ends(row.pair.vertices, row.weights).filter(|(v, _)| *v >= near.cloth);
             let moved = of_bodies.map(|(v, w)| (x[v] - step.from[v]) * w);

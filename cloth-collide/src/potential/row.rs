@@ -1,7 +1,7 @@
 //! One unilateral constraint between two pieces: what it is made from, and how positions are projected onto it.
 
 use super::near::Near;
-use super::patches::{Known, Memory, NearPair, Patches, Place};
+use super::patches::NearPair;
 use super::rows::{KEPT, LEAST, SLACK};
 use super::tangent::{RowState, Tangent};
 use crate::ccd::Query;
@@ -13,112 +13,155 @@ use cloth_core::math::{Real, Vec3, gather};
 /// Travel of patches (in thicknesses) during which the nearest points of two pieces stay what they are.
 const PERSISTENT: Real = 0.02;
 
-/// A pair that can touch in this substep.
+/// A pair that the motion of a substep may bring into contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    pub(super) place: Place,
     pub(super) pair: Pair,
-    pub(super) weights: [Real; 4],
+    pub(super) role: Role,
+    pub(super) is_violated: bool,
+    /// From the second nearest point to the first, where they were last found; of a [`Role::Parted`] pair, across a
+    /// plane that has the two apart.
     pub(super) normal: Vec3,
+    pub(super) weights: [Real; 4],
     /// At the start of the substep (m).
     pub(super) distance: Real,
     /// Of the point Σ wᵢ xᵢ (m).
     pub(super) state: RowState,
     /// Σ wᵢ²/mᵢ (1/kg).
     pub(super) ease: Real,
-    /// Distance (m) to keep, and to come back to.
-    pub(super) kept: Real,
-    pub(super) least: Real,
-    /// Whether it pushes, or is only tested.
-    pub(super) pushes: bool,
-    pub(super) is_violated: bool,
+    /// Distance (m) at which the law begins, and the area (m²) that the pair stands for: at rest, and where its nearest
+    /// points were found.
+    thickness: Real,
+    area_at_rest: Real,
+    area: Real,
     /// By how much it would get nearer in the substep (m).
     pub(super) approach: Real,
 }
 
-/// A pair that a plane keeps apart in the predicted motion.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Parted {
-    pub(super) place: Place,
-    pub(super) pair: Pair,
-    pub(super) normal: Vec3,
-    /// Distance (m) to keep.
-    pub(super) kept: Real,
+/// What is done with a pair in a substep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// A plane keeps the two apart in the predicted motion.
+    Parted,
+    /// It is only tested.
+    Tested,
+    /// It pushes.
+    Pushes,
 }
 
 impl Row {
-    /// Of a pair at `x` (m), in a substep of `dt` (s) in which it would go to `to` (m).
-    pub(super) fn new(
-        place: Place,
-        (found, memory): (&NearPair, &mut Memory),
+    /// Adds that of a pair in a substep in which it would go to `to` (m); `last` is its row of the substep before, if it
+    /// had one, `travel` (m) how far the patches have travelled, and `reach` (m) how far friction stretches. Returns
+    /// how far (m) the two are apart, at least.
+    #[inline]
+    pub(super) fn add(
+        rows: &mut Vec<Self>,
+        found: &mut NearPair,
+        last: Option<&Row>,
+        near: &Near,
+        step: &ContactStep<'_>,
+        (to, travel, reach): (&[Vec3], Real, Real),
+    ) -> Real {
+        let index = rows.len();
+        rows.push(Self {
+            pair: found.pair,
+            role: Role::Parted,
+            is_violated: false,
+            normal: last.map_or(Vec3::zeros(), |last| last.normal),
+            weights: [0.0; 4],
+            distance: 0.0,
+            state: RowState::default(),
+            ease: 0.0,
+            thickness: found.range,
+            area_at_rest: found.area,
+            area: 0.0,
+            approach: 0.0,
+        });
+        let row = &mut rows[index];
+        let parted = found.range + SLACK * near.law.range();
+        if last.is_some() {
+            let now = row.pair.gap_along(&row.normal, step.from);
+            if now > parted && row.pair.gap_along(&row.normal, to) > parted {
+                found.known_at = Real::NEG_INFINITY;
+                return now;
+            }
+        }
+        let known = last.filter(|last| {
+            last.role == Role::Pushes && travel - found.known_at <= PERSISTENT * near.law.range()
+        });
+        row.prepare(near, step, to, known);
+        if known.is_none() {
+            found.known_at = match row.role {
+                Role::Pushes => travel,
+                _ => Real::NEG_INFINITY,
+            };
+        }
+        if let (Role::Pushes, Some(last)) = (row.role, last) {
+            row.state.origin -= last.stretch(step.from, reach);
+        }
+        row.distance
+    }
+
+    /// Finds the nearest points at the start of the substep, or takes those that are `known`, and what becomes of the
+    /// pair on the path to `to` (m).
+    pub(super) fn prepare(
+        &mut self,
         near: &Near,
         step: &ContactStep<'_>,
         to: &[Vec3],
-        travel: Option<Real>,
-    ) -> Self {
-        let (law, pair) = (near.law, found.pair);
-        let x = gather(step.from, pair.vertices);
-        let fresh =
-            |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
-        let known = memory.known.filter(fresh);
-        let sum = |x: &[Vec3], weights: [Real; 4]| weighted(pair.vertices, weights, x);
-        let gap = match &known {
-            Some(known) => Gap {
-                distance: known.gap.normal.dot(&sum(step.from, known.gap.weights)),
-                ..known.gap
-            },
-            None => Gap::new(pair.kind, &x),
-        };
-        let approach = gap.distance - gap.normal.dot(&sum(to, gap.weights));
-        let w = pair.vertices.map(|v| step.inverse_mass[v as usize]);
-        let ease = (0..4).map(|k| gap.weights[k] * gap.weights[k] * w[k]).sum();
-        let comes = gap.distance - approach.max(0.0) < found.range + SLACK * law.range();
-        let faces = gap.distance < found.range || !gap.is_at_boundary();
-        let mut pushes = comes && faces && ease > 0.0;
-        let mut tangent = Tangent {
-            range: found.range,
-            stiffness: 0.0,
-        };
-        if pushes {
-            let area = match &known {
-                Some(known) => known.area,
-                None => near.area_of(found, &x),
-            };
-            if known.is_none() {
-                memory.known = travel.map(|travel| Known { gap, area, travel });
+        known: Option<&Row>,
+    ) {
+        let vertices = self.pair.vertices;
+        let x = gather(step.from, vertices);
+        match known {
+            Some(known) => {
+                (self.normal, self.weights, self.area) = (known.normal, known.weights, known.area);
+                self.distance = self.normal.dot(&self.point(step.from));
             }
-            tangent = Tangent::of(law.with_range(found.range), area, gap.distance);
-            pushes = tangent.stiffness > 0.0;
-        } else {
-            memory.stretch = Vec3::zeros();
+            None => {
+                let gap = Gap::new(self.pair.kind, &x);
+                (self.normal, self.weights, self.distance) =
+                    (gap.normal, gap.weights, gap.distance);
+            }
         }
-        Self {
-            place,
-            pair,
-            weights: gap.weights,
-            normal: gap.normal,
-            distance: gap.distance,
-            state: RowState {
-                range: tangent.range,
-                compliance: match pushes {
-                    true => tangent.compliance(step.dt),
-                    false => 0.0,
-                },
-                coefficient: near.friction(pair.vertices),
-                origin: sum(step.from, gap.weights) - memory.stretch,
-                ..RowState::default()
-            },
-            ease,
-            kept: KEPT * gap.distance.min(found.range),
-            least: LEAST * found.range,
-            pushes,
-            is_violated: false,
-            approach,
+        self.approach = self.distance - self.normal.dot(&self.point(to));
+        let w = vertices.map(|v| step.inverse_mass[v as usize]);
+        let squares = self.weights.iter().zip(w);
+        self.ease = squares.map(|(weight, w)| weight * weight * w).sum();
+        let reach = self.thickness + SLACK * near.law.range();
+        let comes = self.distance - self.approach.max(0.0) < reach;
+        let is_at_boundary = self.weights.contains(&0.0);
+        let faces = self.distance < self.thickness || !is_at_boundary;
+        self.role = Role::Tested;
+        self.state.origin = self.point(step.from);
+        self.state.coefficient = near.friction(vertices);
+        self.state.range = self.thickness;
+        if comes && faces && self.ease > 0.0 {
+            if known.is_none() {
+                self.area = near.area_of(self.pair, self.area_at_rest, &x);
+            }
+            let law = near.law.with_range(self.thickness);
+            let tangent = Tangent::of(law, self.area, self.distance);
+            self.state.range = tangent.range;
+            if tangent.stiffness > 0.0 {
+                self.role = Role::Pushes;
+                self.state.compliance = tangent.compliance(step.dt);
+            }
         }
+    }
+
+    /// Distance (m) to keep.
+    fn kept(&self) -> Real {
+        KEPT * self.distance.min(self.thickness)
     }
 
     pub(super) fn point(&self, x: &[Vec3]) -> Vec3 {
         weighted(self.pair.vertices, self.weights, x)
+    }
+
+    /// By how much friction is stretched (m) at `x` (m); see [`RowState::stretch`].
+    fn stretch(&self, x: &[Vec3], reach: Real) -> Vec3 {
+        self.state.stretch(self.point(x), self.normal, reach)
     }
 
     #[inline]
@@ -134,25 +177,36 @@ impl Row {
 
     /// Gives in no more: for a pair that has come too near on the way to `x` (m).
     pub(super) fn harden(&mut self, x: &[Vec3]) {
-        self.pushes = self.ease > 0.0;
+        if self.ease > 0.0 {
+            self.role = Role::Pushes;
+        }
         let now = self.normal.dot(&self.point(x));
-        self.state.harden(self.distance, self.least, now);
+        let least = LEAST * self.thickness;
+        self.state.harden(self.distance, least, now);
     }
 
-    pub(super) fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
-        let path = Query::of(self.pair, from, to);
-        path.is_apart_along(&self.normal, self.kept)
+    /// Notes whether the pair keeps its distance on the path to `to` (m). One that its plane does not keep apart there
+    /// is no [`Role::Parted`] any more.
+    pub(super) fn test(&mut self, near: &Near, step: &ContactStep<'_>, to: &[Vec3]) {
+        self.is_violated = false;
+        if self.role == Role::Parted {
+            if self.pair.gap_along(&self.normal, to) > KEPT * self.thickness {
+                return;
+            }
+            self.prepare(near, step, to, None);
+        }
+        let path = Query::of(self.pair, step.from, to);
+        let is_safe = path.is_apart_along(&self.normal, self.kept())
             || path.is_shift(self.distance)
-            || path.time_at(self.kept).is_none()
+            || path.time_at(self.kept()).is_none();
+        self.is_violated = !is_safe;
     }
 
     /// Energy (J) at `x` (m).
-    pub(super) fn energy(&self, x: &[Vec3], near: &Near, patches: Option<&mut Patches>) -> Real {
-        let found = patches.and_then(|patches| patches.pair_mut(self.place, self.pair));
-        found.map_or(0.0, |(found, _)| {
-            let x = gather(x, self.pair.vertices);
-            let law = near.law.with_range(found.range);
-            near.area_of(found, &x) * law.energy(Gap::new(self.pair.kind, &x).distance)
-        })
+    pub(super) fn energy(&self, x: &[Vec3], near: &Near) -> Real {
+        let x = gather(x, self.pair.vertices);
+        let law = near.law.with_range(self.thickness);
+        let distance = Gap::new(self.pair.kind, &x).distance;
+        near.area_of(self.pair, self.area_at_rest, &x) * law.energy(distance)
     }
 }

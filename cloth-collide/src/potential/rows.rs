@@ -16,15 +16,16 @@
 use super::bodies::{Bodies, Body, Substep};
 use super::forces::Ledger;
 use super::near::Near;
-use super::patches::{Memory, NearPair, Patches};
+use super::patches::{NearPair, Patches};
 use super::quiet::Quiet;
 use super::rebound::Rebounds;
 use super::report::ConstraintReport;
-use super::row::{Parted, Row};
+use super::row::{Role, Row};
 use super::source::Contacts;
 use crate::pair::ends;
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
+use cloth_core::method::parallel::join;
 
 /// Allowance for motion beyond the predicted one in detection (in thicknesses).
 pub(super) const SLACK: Real = 0.05;
@@ -48,8 +49,9 @@ pub(super) const LEADING_SWEEPS: u32 = 10;
 pub(super) struct Rows {
     pub(super) patches: Option<Patches>,
     pub(super) bodies: Bodies,
-    pub(super) rows: Vec<Row>,
-    parted: Vec<Parted>,
+    /// Of this substep, and of the one before.
+    rows: Vec<Vec<Row>>,
+    last: Vec<Vec<Row>>,
     quiet: Quiet,
     /// Whether the last step was taken with these rows.
     pub(super) took_last: bool,
@@ -78,10 +80,28 @@ impl Rows {
         }
     }
 
+    /// Begins without rows, and remembers what there was.
+    fn clear(&mut self) {
+        std::mem::swap(&mut self.rows, &mut self.last);
+        self.rows.iter_mut().for_each(Vec::clear);
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().flatten()
+    }
+
+    /// Those that have pushed.
+    pub(super) fn touching(&self) -> impl Iterator<Item = &Row> {
+        self.iter().filter(|row| row.state.lambda > 0.0)
+    }
+
     /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n wᵢ/Δt² of the rows.
     fn work_of_prescribed(&self, step: &ContactStep<'_>, x: &[Vec3]) -> Real {
         let mut sum = 0.0;
-        for row in self.rows.iter().filter(|row| row.state.lambda > 0.0) {
+        if !step.inverse_mass.contains(&0.0) {
+            return 0.0;
+        }
+        for row in self.touching() {
             let push = row.normal * row.state.lambda + row.state.friction;
             for (v, weight) in ends(row.pair.vertices, row.weights) {
                 if step.inverse_mass[v] == 0.0 {
@@ -131,15 +151,15 @@ impl ContactConstraints for Contacts {
         if let (true, Some(patches)) = (rows.quiet.end(), &mut rows.patches) {
             patches.skip(step.from);
         }
-        rows.rows.clear();
-        rows.parted.clear();
+        rows.clear();
         rows.by_zones = false;
         self.find(step, predicted, true);
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         self.rows.bodies.begin(&substep, predicted);
-        let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
-        self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
-        self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
+        let bodies = self.rows.bodies.len();
+        let pushes = |row: &&Row| row.role == Role::Pushes;
+        self.rows.report.looked += self.rows.iter().count() as u32;
+        self.rows.report.rows += (self.rows.iter().filter(pushes).count() + bodies) as u32;
         Ok(())
     }
 
@@ -147,8 +167,10 @@ impl ContactConstraints for Contacts {
         if self.rows.quiet.is_on {
             return;
         }
-        for row in self.rows.rows.iter_mut().filter(|row| row.pushes) {
-            row.project(step.inverse_mass, x);
+        for row in self.rows.rows.iter_mut().flatten() {
+            if row.role == Role::Pushes {
+                row.project(step.inverse_mass, x);
+            }
         }
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         self.rows.bodies.sweep(&substep, x);
@@ -180,7 +202,7 @@ impl ContactConstraints for Contacts {
                 _ => return self.end_by_zones(step, x),
             }
             if round < REPAIRS {
-                for row in &mut self.rows.rows {
+                for row in self.rows.rows.iter_mut().flatten() {
                     if row.is_violated {
                         row.harden(x);
                     }
@@ -233,41 +255,24 @@ impl Contacts {
     /// Energy (J) of the rows of the last substep, with the cloth at `x` (m).
     fn stored_in_rows(&mut self, x: &[Vec3]) -> Real {
         let (rows, near) = (&mut self.rows, &self.near);
-        let mut energy = rows.bodies.energy(&self.bodies, near, x);
-        for row in rows.rows.iter().filter(|row| row.state.lambda > 0.0) {
-            energy += row.energy(x, near, rows.patches.as_mut());
-        }
-        energy
+        let energy = rows.bodies.energy(&self.bodies, near, x);
+        let touching = rows.touching();
+        energy + touching.map(|row| row.energy(x, near)).sum::<Real>()
     }
 
     /// Rows for the pairs that a path to `to` (m) can bring into contact, if it is not too long for that. Returns
     /// whether it was not.
     fn find(&mut self, step: &ContactStep<'_>, to: &[Vec3], begins: bool) -> bool {
+        let reach = self.reach();
         let Self { near, rows, .. } = self;
-        let Some(patches) = &mut rows.patches else {
+        let (Some(patches), last) = (&mut rows.patches, &rows.last) else {
             return true;
         };
-        let (list, parted) = (&mut rows.rows, &mut rows.parted);
-        let far = SLACK * near.law.range();
-        let visit = |place, found: &NearPair, memory: &mut Memory, travel| {
-            let (pair, range, normal) = (found.pair, found.range, memory.normal);
-            let now = pair.gap_along(&normal, step.from);
-            if now > range + far && pair.gap_along(&normal, to) > range + far {
-                parted.push(Parted {
-                    place,
-                    pair,
-                    normal,
-                    kept: KEPT * range,
-                });
-                memory.stretch = Vec3::zeros();
-                return now - range;
-            }
-            let row = Row::new(place, (found, &mut *memory), near, step, to, Some(travel));
-            list.push(row);
-            memory.normal = row.normal;
-            row.distance - range
+        let visit = |rows: &mut Vec<Row>, pair: &mut NearPair, place: Option<[u32; 2]>, travel| {
+            let last = place.map(|[list, index]| &last[list as usize][index as usize]);
+            Row::add(rows, pair, last, near, step, (to, travel, reach)) - pair.range
         };
-        patches.look(near, [step.from, to], begins, visit)
+        patches.look(near, [step.from, to], begins, &mut rows.rows, visit)
     }
 
     /// How many pairs do not keep their distances on the path to `x` (m); nothing if the path is too long to say.
@@ -275,32 +280,10 @@ impl Contacts {
         if !self.find(step, x, false) {
             return None;
         }
-        self.doubt(step, x);
-        let mut count = 0;
-        for row in &mut self.rows.rows {
-            row.is_violated = !row.is_safe(step.from, x);
-            count += u32::from(row.is_violated);
-        }
+        let near = &self.near;
+        let count = test_all(&mut self.rows.rows, x.len(), &|row| row.test(near, step, x));
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         Some(count + self.rows.bodies.violations(&substep, x))
-    }
-
-    /// Makes rows of pairs that their planes do not keep apart on the path to `x` (m).
-    fn doubt(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
-        let (near, list) = (&self.near, &mut self.rows.rows);
-        let Some(patches) = &mut self.rows.patches else {
-            return;
-        };
-        self.rows.parted.retain(|parted| {
-            let keeps = parted.pair.gap_along(&parted.normal, x) > parted.kept;
-            // One that is not known any more is too far away.
-            let pair = (!keeps).then(|| patches.pair_mut(parted.place, parted.pair));
-            let Some(pair) = pair.flatten() else {
-                return true;
-            };
-            list.push(Row::new(parted.place, pair, near, step, x, None));
-            false
-        });
     }
 
     /// Shortens the paths of vertices of violated pairs.
@@ -311,7 +294,7 @@ impl Contacts {
             rows.shares.clear();
             rows.shares.resize(x.len(), 1.0);
         }
-        let pairs = rows.rows.iter().filter(|row| row.is_violated);
+        let pairs = rows.rows.iter().flatten().filter(|row| row.is_violated);
         let vertices = pairs.flat_map(|row| row.pair.vertices);
         let shares = &mut rows.shares;
         let mut shorten = |v: u32| {
@@ -342,7 +325,7 @@ impl Contacts {
         ledger.pass(step.dt);
         ledger.add_stops(&self.free, 1.0);
         let rows = &self.rows;
-        for row in rows.rows.iter().filter(|row| row.state.lambda > 0.0) {
+        for row in rows.touching() {
             let impulses =
                 [row.normal * row.state.lambda, row.state.friction].map(|push| push / step.dt);
             ledger.add_pair(row.pair.vertices, row.weights, impulses);
@@ -358,21 +341,21 @@ impl Contacts {
         let (rows, bodies, near) = (&mut self.rows, &self.bodies[..], &self.near);
         if let Some(patches) = &mut rows.patches {
             patches.accept();
-            for row in rows.rows.iter().filter(|row| row.pushes) {
-                if let Some((_, memory)) = patches.pair_mut(row.place, row.pair) {
-                    memory.stretch = row.state.stretch(row.point(x), row.normal, reach);
-                }
-            }
         }
         let substep = Substep::of_cloth(near, bodies, step);
         rows.work += rows.bodies.end(&substep, reach, x);
         rows.work += rows.work_of_prescribed(step, x);
         if let Some(rebounds) = &mut rows.rebounds {
-            rebounds.find(&rows.rows, near, step, x);
+            let touching = rows
+                .rows
+                .iter()
+                .flatten()
+                .filter(|row| row.state.lambda > 0.0);
+            rebounds.find(touching, near, step, x);
             rows.bodies
                 .rebounds(&substep, rebounds.least(near), x, &mut rebounds.list);
         }
-        if rows.rows.is_empty() && rows.bodies.len() == 0 {
+        if rows.rows.iter().all(Vec::is_empty) && rows.bodies.len() == 0 {
             let relative = rows
                 .patches
                 .as_mut()
@@ -459,11 +442,30 @@ impl Contacts {
         }
         rows.work += work;
         rows.by_zones = true;
-        rows.rows.clear();
+        rows.clear();
         rows.start_anew(&self.near, x, self.before.len());
         self.advance_bodies(step.dt);
         Ok(())
     }
+}
+
+/// Tests all rows, on several threads for a cloth of so many vertices; returns how many are violated.
+fn test_all(lists: &mut [Vec<Row>], vertices: usize, test: &(impl Fn(&mut Row) + Sync)) -> u32 {
+    if lists.len() > 1 {
+        let (some, others) = lists.split_at_mut(lists.len() / 2);
+        let (a, b) = join(
+            vertices,
+            || test_all(some, vertices, test),
+            || test_all(others, vertices, test),
+        );
+        return a + b;
+    }
+    let rows = lists.iter_mut().flatten();
+    rows.map(|row| {
+        test(row);
+        u32::from(row.is_violated)
+    })
+    .sum()
 }
 
 /// Work (J/kg) of what contact has changed of the velocity (m/s) of a vertex at `x` (m): times that of the nearest body

@@ -2,9 +2,9 @@
 
 use super::detect::Look;
 use super::motions::{Motions, Pose};
-use super::{Memory, NearPair};
+use super::{LOOKS, NearPair};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::parallel::wide;
+use cloth_core::method::parallel::{join, wide};
 
 /// Two patches, or one with itself, and what can touch between them.
 #[derive(Debug, Default)]
@@ -20,8 +20,8 @@ pub(super) struct PatchPair {
     /// The travel (m) until which each lacks something: apart from the pairs, because most of them are only asked for
     /// this.
     pub(super) wakes: Vec<Real>,
-    /// What is remembered of the few that have been looked at.
-    pub(super) memories: Vec<Memory>,
+    /// Room to work in: those of an earlier list that have a row.
+    pub(super) known: Vec<NearPair>,
     /// How many of them lacked less than `next` (m).
     pub(super) first: usize,
     pub(super) next: Real,
@@ -38,7 +38,7 @@ pub(super) struct PatchPair {
 impl PatchPair {
     /// The same lists for two other patches, of which nothing is known.
     pub(super) fn of(mut self, patches: [u32; 2]) -> Self {
-        self.memories.clear();
+        self.pairs.clear();
         Self {
             patches,
             budget: Real::NEG_INFINITY,
@@ -55,12 +55,12 @@ impl PatchPair {
         change + now.spread(self.patches) - self.spread
     }
 
-    /// Asks `lack` what (m) the pairs lack to contact, with their numbers, that may touch in the motion that is looked
+    /// Asks `lack` what (m) the pairs lack to contact that may touch in the motion that is looked
     /// at. Returns how far the two can move until another pair may touch (m).
     pub(super) fn wake(
         &mut self,
         look: &Look,
-        mut lack: impl FnMut(u32, &mut NearPair, &mut Vec<Memory>) -> Option<Real>,
+        mut lack: impl FnMut(&mut NearPair) -> Option<Real>,
     ) -> Real {
         let until = self.travel + look.once;
         if look.moved > self.next {
@@ -70,15 +70,83 @@ impl PatchPair {
             self.next = next.map_or(self.budget, |pair| pair.room);
         }
         let wakes = &mut self.wakes[..self.first];
-        for (index, wake) in wakes.iter_mut().enumerate() {
+        for (wake, pair) in wakes.iter_mut().zip(&mut self.pairs) {
             if *wake < until
-                && let Some(lack) = lack(index as u32, &mut self.pairs[index], &mut self.memories)
+                && let Some(lack) = lack(pair)
             {
                 *wake = self.travel + lack;
             }
         }
         let wake = wide(|| smallest(wakes)) - self.travel;
         wake.min(self.next.min(self.budget) - look.now)
+    }
+}
+
+/// What is done with the pairs that may touch in a substep; see [`Patches::look`](super::Patches::look).
+#[derive(Debug)]
+pub(super) struct Visits<'a, F> {
+    pub(super) substep: u32,
+    /// Of the whole cloth.
+    pub(super) vertices: usize,
+    pub(super) visit: &'a F,
+}
+
+impl<F> Visits<'_, F> {
+    /// Fills the lists, each from as many looks, on several threads. The first of the looks, of the pairs of patches and
+    /// of the lists have these numbers.
+    pub(super) fn wake_all<T: Send>(
+        &self,
+        looks: &mut [Look],
+        (pairs, first): (&mut [PatchPair], usize),
+        (lists, list): (&mut [Vec<T>], u32),
+    ) where
+        F: Fn(&mut Vec<T>, &mut NearPair, Option<[u32; 2]>, Real) -> Real + Sync,
+    {
+        if let [only] = lists {
+            for look in looks {
+                let pair = &mut pairs[look.number as usize - first];
+                self.wake(look, pair, (only, list));
+            }
+            return;
+        }
+        let middle = lists.len() / 2;
+        let (looks, other_looks) = looks.split_at_mut((middle * LOOKS).min(looks.len()));
+        let Some(next) = other_looks.first().map(|look| look.number as usize) else {
+            return;
+        };
+        let (pairs, other_pairs) = pairs.split_at_mut(next - first);
+        let (lists, other_lists) = lists.split_at_mut(middle);
+        join(
+            self.vertices,
+            || self.wake_all(looks, (pairs, first), (lists, list)),
+            || {
+                self.wake_all(
+                    other_looks,
+                    (other_pairs, next),
+                    (other_lists, list + middle as u32),
+                )
+            },
+        );
+    }
+
+    fn wake<T>(&self, look: &mut Look, between: &mut PatchPair, (rows, list): (&mut Vec<T>, u32))
+    where
+        F: Fn(&mut Vec<T>, &mut NearPair, Option<[u32; 2]>, Real) -> Real,
+    {
+        let travel = between.travel;
+        between.looked = [look.moved, travel + look.once];
+        between.looked_in = self.substep;
+        look.left = between.wake(look, |pair| {
+            let seen = std::mem::replace(&mut pair.seen, self.substep);
+            // Once in a substep.
+            (seen != self.substep).then(|| {
+                let last = (seen > 0 && seen + 1 == self.substep).then_some(pair.row);
+                let index = rows.len() as u32;
+                let lack = (self.visit)(rows, pair, last, travel);
+                pair.row = [list, index];
+                lack
+            })
+        });
     }
 }
 

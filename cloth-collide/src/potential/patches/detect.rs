@@ -1,7 +1,7 @@
 //! The pairs of primitives between two patches.
 
 use super::between::PatchPair;
-use super::{HOLD, LEAST_ROOM, MOST_ROOM, Memory, NearPair, PATCH, Patches, around};
+use super::{HOLD, LEAST_ROOM, MOST_ROOM, NearPair, PATCH, Patches, around};
 use crate::bounds::Bounds;
 use crate::pair::{Pair, nearest};
 use crate::potential::near::Near;
@@ -11,8 +11,6 @@ use cloth_core::method::parallel::{join, wide};
 
 /// Looks at pairs of patches that are not split between threads any more, at most.
 const BATCH: usize = 8;
-/// Of a pair that nothing is remembered of.
-const NOTHING: u32 = u32::MAX;
 
 /// A look at the motion of two patches.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +22,8 @@ pub(super) struct Look {
     pub(super) now: Real,
     pub(super) moved: Real,
     pub(super) once: Real,
+    /// How far (m) they can move until another pair may touch, once that is known.
+    pub(super) left: Real,
 }
 
 impl Look {
@@ -33,23 +33,8 @@ impl Look {
             now,
             moved,
             once,
+            left: 0.0,
         }
-    }
-}
-
-impl NearPair {
-    /// What is remembered, from now on.
-    pub(super) fn remember<'a>(&mut self, memories: &'a mut Vec<Memory>) -> &'a mut Memory {
-        if self.memory == NOTHING {
-            self.memory = memories.len() as u32;
-            memories.push(Memory {
-                pair: self.pair,
-                stretch: Vec3::zeros(),
-                normal: Vec3::zeros(),
-                known: None,
-            });
-        }
-        &mut memories[self.memory as usize]
     }
 }
 
@@ -113,10 +98,10 @@ impl Patches {
         pair.spread = self.now.spread(pair.patches);
         pair.travel = 0.0;
         (pair.first, pair.next) = (0, Real::NEG_INFINITY);
-        pair.pairs.clear();
         pair.wakes.clear();
-        let memories = &mut pair.memories;
-        memories.retain(|memory| memory.stretch != Vec3::zeros());
+        pair.known.clear();
+        let known = pair.pairs.drain(..).filter(|old| self.has_row(old));
+        pair.known.extend(known);
         let gap = boxes[0].squared_gap(&boxes[1]).sqrt();
         if gap > h + room {
             pair.budget = gap - h;
@@ -130,11 +115,13 @@ impl Patches {
         };
         pair.pairs.sort_unstable_by(order);
         pair.wakes.extend(pair.pairs.iter().map(|pair| pair.room));
-        memories.iter_mut().for_each(|memory| memory.known = None);
-        memories.sort_unstable_by_key(|memory| memory.pair);
-        for found in &mut pair.pairs {
-            let memory = memories.binary_search_by_key(&found.pair, |memory| memory.pair);
-            found.memory = memory.map_or(NOTHING, |memory| memory as u32);
+        pair.known.sort_unstable_by_key(|old| old.pair);
+        if !pair.known.is_empty() {
+            for found in &mut pair.pairs {
+                if let Ok(old) = pair.known.binary_search_by_key(&found.pair, |old| old.pair) {
+                    (found.seen, found.row) = (pair.known[old].seen, pair.known[old].row);
+                }
+            }
         }
         true
     }
@@ -219,8 +206,9 @@ fn near_pair(
         range,
         area: near.area_at_rest(pair, numbers),
         pair,
+        known_at: Real::NEG_INFINITY,
         seen: 0,
-        memory: NOTHING,
+        row: [0; 2],
     })
 }
 

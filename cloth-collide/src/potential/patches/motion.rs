@@ -61,7 +61,7 @@ impl Patches {
         for look in &looks {
             let k = look.number as usize;
             let pair = &mut self.pairs[k];
-            let left = pair.wake(look, |_, one, _| Some(visit(one, look.once)));
+            let left = pair.wake(look, |one| Some(visit(one, look.once)));
             self.quiet[k] = pair.travel + left;
             // Nothing has been chosen of these two.
             if look.once <= left {
