@@ -108,8 +108,9 @@ impl Sticking {
 /// What the springs of sticking contacts were stretched by at the end of a step.
 #[derive(Debug, Default)]
 pub(super) struct Stretched {
-    /// In rising order of the contacts (m).
+    /// In rising order of the contacts (m); and those before the last step.
     displacements: Vec<(Key, Vec3)>,
+    before: Vec<(Key, Vec3)>,
 }
 
 impl Stretched {
@@ -123,12 +124,18 @@ impl Stretched {
 
     /// Replaces all by those at `x` (m); `reach` is ε (m).
     pub(super) fn replace(&mut self, all: &[Sticking], reach: Real, x: &[Vec3]) {
+        std::mem::swap(&mut self.displacements, &mut self.before);
         self.displacements.clear();
         self.displacements.extend(
             all.iter()
                 .map(|sticking| (sticking.key, hold(sticking.displacement(x), reach))),
         );
         self.displacements.sort_unstable_by_key(|entry| entry.0);
+    }
+
+    /// They are those before the last step again.
+    pub(super) fn take_back(&mut self) {
+        self.displacements.clone_from(&self.before);
     }
 }
 

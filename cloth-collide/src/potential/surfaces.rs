@@ -240,10 +240,12 @@ impl PotentialContacts {
         pushed.fold(0.0, Real::max)
     }
 
-    /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies as
-    /// they were there. The positions of the cloth are the caller's.
+    /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies and
+    /// friction as they were there. The positions of the cloth are the caller's.
     pub fn take_back(&mut self) {
-        self.contacts.is_open = !self.contacts.before.is_empty();
+        if !std::mem::replace(&mut self.contacts.is_open, true) {
+            self.contacts.stretched.take_back();
+        }
     }
 
     /// The forces of the last step, if they are recorded.
@@ -254,9 +256,9 @@ impl PotentialContacts {
     }
 
     /// From the next step on these vertices are sewn together, and no others; see
-    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
+    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). What has a vertex that there is not is left out.
     pub fn sew(&mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) {
-        self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges);
+        self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges, self.surfaces.cloth);
         self.contacts.is_anew = true;
     }
 
