@@ -98,7 +98,7 @@ mod smooth;
 pub use back::bring_back;
 pub use during::{CrossingPairs, StepUntangler};
 
-use crate::error::CollideError;
+use crate::error::{CollideError, NonFinite};
 use crate::potential::PotentialContacts;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -331,7 +331,7 @@ impl Untangler {
 
     /// One iteration from positions (m) whose contour has just been found: shortens it with as much averaging as helps,
     /// or pushes what is cut off.
-    fn iterate(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<(), CollideError> {
+    fn iterate(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<(), NonFinite> {
         let before = self.contour.length();
         for rounds in SMOOTHINGS {
             let taken = self.descend(positions, world, rounds, self.longest_step)?;
@@ -354,7 +354,7 @@ impl Untangler {
         world: World<'_>,
         rounds: u32,
         step: Real,
-    ) -> Result<Option<Real>, CollideError> {
+    ) -> Result<Option<Real>, NonFinite> {
         self.contour.gradient(&mut self.gradient);
         self.scale(world.inverse_mass);
         self.smoother
@@ -390,7 +390,7 @@ impl Untangler {
     }
 
     /// Pushes what is cut off back by the longest step. Whether anything is, and can move.
-    fn push(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<bool, CollideError> {
+    fn push(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<bool, NonFinite> {
         let is_inside = |vertex| world.is_inside(vertex, positions);
         if !self.pieces.divide(self.contour.crossings(), is_inside) {
             return Ok(false);

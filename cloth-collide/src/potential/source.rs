@@ -152,7 +152,7 @@ impl ContactPotential for Contacts {
         self.prepare(step.from, &wanted, false)?;
         self.stick(step);
         if is_still {
-            let cap = self.safe_part(step.from, &wanted)?;
+            let cap = self.safe_part(step.from, &wanted);
             for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
                 *x = if cap < 1.0 {
                     from + (to - from) * cap
@@ -186,7 +186,6 @@ impl ContactPotential for Contacts {
     ) -> Result<(), ContactError> {
         parts.fill(1.0);
         shorten_all(from, to, parts, self.share(from, to));
-        let thickness = self.near.law.range();
         for round in 0..MOST_ROUNDS {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
             // paths.
@@ -196,12 +195,12 @@ impl ContactPotential for Contacts {
                 return Ok(());
             }
             let path = (from, &mut *to);
-            if !self.pairs.shorten(thickness, path, parts, &self.still)? {
+            if !self.pairs.shorten(&self.near, path, parts, &self.still) {
                 return Ok(());
             }
         }
         self.prepare(from, to, true)?;
-        let cap = self.safe_part(from, to)?;
+        let cap = self.safe_part(from, to);
         shorten_all(from, to, parts, cap);
         Ok(())
     }
@@ -498,7 +497,7 @@ impl Contacts {
     /// The same as [`ContactPotential::limit`] for a path that is not too long to be looked at as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.prepare(from, to, true)?;
-        self.safe_part(from, to)
+        Ok(self.safe_part(from, to))
     }
 
     /// Chooses pairs for a path (m); see [`NearPairs::prepare`].
@@ -513,9 +512,8 @@ impl Contacts {
         Ok(())
     }
 
-    fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let thickness = self.near.law.range();
-        Ok(self.pairs.safe_part(thickness, from, to, &self.still)?)
+    fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Real {
+        self.pairs.safe_part(&self.near, from, to, &self.still)
     }
 
     /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the
