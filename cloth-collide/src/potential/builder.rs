@@ -117,8 +117,8 @@ impl<'a> PotentialBuilder<'a> {
     /// Edges push from the thickness on, as vertices do, and vertices with all of their area: where everything is to be
     /// that far apart, at any cost.
     #[must_use]
-    pub fn keep_all_apart(mut self) -> Self {
-        self.own.keeps_all_apart = true;
+    pub fn full_thickness(mut self) -> Self {
+        self.own.full_thickness = true;
         self
     }
 

@@ -48,7 +48,7 @@ pub(crate) struct Own {
     pub(super) broad_phase: BroadPhaseKind,
     pub(super) pinched_passes: bool,
     /// Whether edges push from the thickness on, as vertices do, and vertices with all of their area.
-    pub(super) keeps_all_apart: bool,
+    pub(super) full_thickness: bool,
 }
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
@@ -338,7 +338,7 @@ impl Near {
         }
         let [area, corners @ ..] = vertices.map(|v| self.vertex_area[v as usize]);
         if self.is_own(vertices[0]) {
-            let is_between_sheets = self.is_own(vertices[1]) && !self.own.keeps_all_apart;
+            let is_between_sheets = self.is_own(vertices[1]) && !self.own.full_thickness;
             return if is_between_sheets { 0.5 } else { 1.0 } * area;
         }
         area.min(corners.iter().sum::<Real>() / 3.0)
@@ -353,7 +353,7 @@ impl Near {
     pub(super) fn range_of(&self, Pair { kind, vertices }: Pair) -> Real {
         let [a, .., d] = vertices;
         let part = match kind {
-            QueryKind::EdgeEdge if !self.own.keeps_all_apart => 0.5,
+            QueryKind::EdgeEdge if !self.own.full_thickness => 0.5,
             _ => 1.0,
         };
         let between = self.thickness_between(vertices);

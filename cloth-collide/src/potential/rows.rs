@@ -138,8 +138,8 @@ impl ContactConstraints for Contacts {
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         self.rows.bodies.begin(&substep, predicted);
         let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
-        self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
-        self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
+        self.rows.report.queries += (self.rows.rows.len() + self.rows.parted.len()) as u32;
+        self.rows.report.constraints += (pushing + self.rows.bodies.len()) as u32;
         Ok(())
     }
 
@@ -157,7 +157,7 @@ impl ContactConstraints for Contacts {
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
         if self.rows.quiet.is_on {
             if self.rows.quiet.holds(x) {
-                self.rows.report.quiet += 1;
+                self.rows.report.culled_substeps += 1;
                 self.ledger
                     .iter_mut()
                     .for_each(|ledger| ledger.pass(step.dt));

@@ -56,7 +56,7 @@ fn stir(seeds: std::ops::Range<u64>, steps: u32, kick: f64) -> [u32; 3] {
             let (before, from) = (flight.momentum(), flight.positions.clone());
             flight.step(0.03).unwrap();
             let report = flight.contacts.constraint_report();
-            counts[0] += u32::from(report.rows > 0);
+            counts[0] += u32::from(report.constraints > 0);
             counts[1] += u32::from(report.zones > 0);
             counts[2] += u32::from(report.shortened > 0);
             if report.shortened == 0 {
