@@ -83,5 +83,5 @@ fn contact_with_nothing_does_nothing() {
     };
     let mut contacts = builder().build().unwrap();
     assert_eq!(allocations_of(&mut contacts, &from), 0);
-    assert_eq!(contacts.constraint_report().rows, 0);
+    assert_eq!(contacts.constraint_report().constraints, 0);
 }
