@@ -7,7 +7,8 @@
 //! keeps the force that holds it, and does not creep, whatever the number of steps: under a tangential force F < μ λ it
 //! gives way by ε F/(μ λ) once. With u from 0 in every step, as where ε is a speed ε_v times Δt, it would give way by
 //! that in each, and creep with the speed ε_v F/(μ λ). ε is h/100: small beside the thickness, so that the give is not
-//! seen. The stiffness μ λ/ε is 100 μ (1 − d/h) times that of the quadratic law, at most 50 μ.
+//! seen. The stiffness μ λ/ε is at most 50 μ times A ψ″(d), that of the law itself: 100 μ (1 − d/h) times down to h/2,
+//! and 100 μ d/h times below. With pieces of different thickness h is the largest of theirs in ε = h/100.
 //!
 //! # Limits
 //!

@@ -1,9 +1,10 @@
-//! The last resort, for the motion that sweeps have found where it is not free. Up to 40 times pairs are pushed apart one
-//! by one. Then, up to 20 times, vertices that get into a body are moved out of it, and those of pairs that go through
-//! each other become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid
-//! body nothing can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid,
-//! vertices stay where they were: another one in each round, or the step is refused. Everything is tested again after
-//! each change, so a step is free or refused.
+//! The last resort, for the motion that sweeps have found where it is not free. Up to 40 times pairs are pushed apart
+//! one by one. Then, up to 20 times, vertices that get into a body are moved out of it, and those of pairs that go
+//! through each other become one rigid body (an impact zone), with their momentum and angular momentum, since inside a
+//! rigid body nothing can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be
+//! rigid, vertices stay where they were: in each round at least one more of the finitely many, or the step is refused,
+//! so the rounds end. Everything is tested again after each change, so a step is free or refused. A zone turns by at
+//! most 1 rad on the way; where its angular momentum says more, the velocities have it and the places do not.
 //!
 //! Sources: Provot 1997 (see the [crate](crate#references)) and Bridson et al. 2002 (see
 //! [`obstacle`](crate::obstacle#references)).

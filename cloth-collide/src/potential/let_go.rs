@@ -32,8 +32,8 @@ impl LetGo {
         !is_same
     }
 
-    /// Whether a pair is let go whose first vertex is in one of its pieces, and whose last is in the other. The vertices
-    /// of bodies are in no region.
+    /// Whether a pair is let go whose first vertex is in one of its pieces, and whose last is in the other. The
+    /// vertices of bodies are in no region.
     pub(crate) fn has(&self, vertices: &[u32]) -> bool {
         if self.pairs.is_empty() {
             return false;

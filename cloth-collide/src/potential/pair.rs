@@ -13,7 +13,8 @@ use cloth_core::math::{Blocks, Real, Vec3, make_semidefinite};
 ///
 /// ∂E/∂x_k = A (m ψ′ c_k n + ψ ∂m/∂x_k).
 ///
-/// Where the two touch E is infinite, even where m is zero, and the derivatives, which there are none of, come out zero.
+/// Where the two touch E is infinite, even where m is zero, and the derivatives, which there are none of, come out
+/// zero.
 ///
 /// # The geometric term
 ///
