@@ -108,8 +108,9 @@
 //!
 //! # Equation → function
 //!
-//! Of two edges, u and v are their vectors, n = u × v, and d goes from the first end of the second to that of the
-//! first; of a triangle, u and e are two edges, n = u × e, and d goes from a corner to the point.
+//! [`obstacle`], [`potential`] and [`untangle`] have tables of their own. Of two edges, u and v are their vectors, n =
+//! u × v, and d goes from the first end of the second to that of the first; of a triangle, u and e are two edges, n = u
+//! × e, and d goes from a corner to the point.
 //!
 //! | What | Where |
 //! |---|---|
@@ -118,11 +119,8 @@
 //! | n(t) · x_k(t) > d \|n(t)\|: time of impact, never late | [`ContinuousTest`] |
 //! | signs of pqab, pqbc, pqca: a segment meets a triangle, exactly | [`segment_meets_triangle`] |
 //! | an edge of one meets the other: two triangles meet, exactly | [`triangles_meet`] |
-//! | φ(x) and its gradient, for shapes at rest and moving | [`obstacle`], with a table of its own |
 //! | boxes of all that moves overlap, and no plane is between them: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
-//! | Σ A ψ(d), felt by a method while it solves | [`potential`], a chapter of its own |
-//! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
 //!
 //! # Examples

@@ -161,13 +161,12 @@
 //!
 //! # Add it to a method
 //!
-//! One that minimises: `begin`; in each iteration `add_gradient` and `linearize`, then `limit` or `limit_each` before
-//! moving; `end`. Every `add_gradient`, and `end` too, needs a `limit` (or the `begin`, for `start`) whose path
-//! contains the place. One that projects: [`ContactConstraints`](cloth_core::contact::ContactConstraints) in the order
-//! of its functions, or [`Projection::step`](cloth_core::contact::Projection::step) after a free step.
-//! [`PotentialContacts`] has a short example, `cloth-bench/examples/own-method` a whole one, and
-//! `cloth-bench/doc/results.md` says how each method of the workspace takes it. After an error the positions are of no
-//! use: the caller keeps the state that it had.
+//! In the order that [`ContactPotential`](cloth_core::contact::ContactPotential) says, for one that minimises, or
+//! [`ContactConstraints`](cloth_core::contact::ContactConstraints), for one that projects;
+//! [`Projection::step`](cloth_core::contact::Projection::step) is all of that after a free step. [`PotentialContacts`]
+//! has a short example, `cloth-bench/examples/own-method` a whole one, and `cloth-bench/doc/results.md` says how each
+//! method of the workspace takes it. After an error the positions are of no use: the caller keeps the state that it
+//! had.
 //!
 //! # Equation → code
 //!

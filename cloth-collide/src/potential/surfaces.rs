@@ -54,28 +54,28 @@ const NO_TIME: Real = 1e-12;
 /// let mut contacts = PotentialContacts::builder(&sheet).thickness(h).obstacle(ball, 0.0).build()?;
 ///
 /// let (mut x, mut v) = (sheet.positions().to_vec(), vec![Vec3::zeros(); 25]);
+/// let inertia = mass / (dt * dt);
 /// for _ in 0..20 {
 ///     let from = x.clone();
 ///     let step = ContactStep { from: &from, inverse_mass: &[1.0 / mass; 25], dt };
-///     let fall = |(x, v): (&Vec3, &Vec3)| x + (v - Vec3::z() * (9.81 * dt)) * dt;
-///     let inertial: Vec<Vec3> = from.iter().zip(&v).map(fall).collect();
-///     x.clone_from(&inertial);
+///     let fly = |k: usize| from[k] + (v[k] - Vec3::z() * (9.81 * dt)) * dt;
+///     let free: Vec<Vec3> = (0..25).map(fly).collect();
+///     x.clone_from(&free);
 ///     contacts.begin(&step, &mut x)?; // takes back what is not safe
 ///     for _ in 0..50 {
-///         let inertia = mass / (dt * dt);
-///         let mut gradient: Vec<Vec3> = x.iter().zip(&inertial).map(|(x, y)| (x - y) * inertia).collect();
+///         let mut gradient: Vec<Vec3> = (0..25).map(|k| (x[k] - free[k]) * inertia).collect();
 ///         let (mut rows, mut stiffness) = (Vec::new(), [inertia; 25]);
 ///         contacts.add_gradient(&x, &mut gradient);
 ///         contacts.linearize(&x, &mut rows);
 ///         for row in &rows {
-///             let ends = row.vertices.iter().zip(row.weights);
-///             ends.for_each(|(v, w)| stiffness[*v as usize] += row.stiffness * w.abs());
+///             let own = |k: usize| row.stiffness * row.weights[k].abs();
+///             (0..4).for_each(|k| stiffness[row.vertices[k] as usize] += own(k));
 ///         }
-///         let to: Vec<Vec3> = (0..25).map(|v| x[v] - gradient[v] / stiffness[v]).collect();
+///         let to: Vec<Vec3> = (0..25).map(|k| x[k] - gradient[k] / stiffness[k]).collect();
 ///         let safe = contacts.limit(&x, &to)?;
-///         x.iter_mut().zip(&to).for_each(|(x, to)| *x += (to - *x) * safe);
+///         (0..25).for_each(|k| x[k] += (to[k] - x[k]) * safe);
 ///     }
-///     v = x.iter().zip(&from).map(|(to, from)| (to - from) / dt).collect();
+///     v = (0..25).map(|k| (x[k] - from[k]) / dt).collect();
 ///     contacts.end(&x, &v);
 /// }
 /// // The middle rests on the top: κ A (h − d) = m g, with a third of the area of the triangles around it.
@@ -313,44 +313,6 @@ impl PotentialContacts {
         self.contacts.is_anew = true;
     }
 
-    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others; and all before a
-    /// body that have a vertex in a region of `passing`, of pairs of a region and a body, until nothing crosses that.
-    /// `region` numbers the regions of vertices from 1; 0 for none.
-    pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]], passing: &[[u32; 2]]) {
-        let near = &mut self.contacts.near;
-        let vertices = passing.iter().flat_map(|&[of, body]| {
-            let own = (0..).zip(region).filter(move |(_, r)| **r == of);
-            own.map(move |(vertex, _)| [vertex, body])
-        });
-        let more = near.pinched.extend(vertices);
-        self.contacts.is_anew |= near.let_go.replace(region, pairs) | more;
-    }
-
-    /// Where nothing crosses a body any more, with everything at `x` (m), and no vertex that passes through it is
-    /// inside, nothing passes through it any more. Returns how many vertices still do.
-    pub(crate) fn release(&mut self, x: &[Vec3]) -> Result<usize, ContactError> {
-        self.contacts.unpinch(x)?;
-        Ok(self.pinched())
-    }
-
-    /// Moves the vertices of a cloth at `x` (m) that pass through a body and are inside of it towards its surface, by
-    /// at most `most` (m), but for held ones.
-    pub(crate) fn lead_out(&self, x: &mut [Vec3], inverse_mass: &[Real], most: Real) {
-        let Contacts { near, bodies, .. } = &self.contacts;
-        for (number, (body, _)) in bodies.iter().enumerate() {
-            for v in near
-                .pinched
-                .vertices(number)
-                .filter(|&v| inverse_mass[v] > 0.0)
-            {
-                let at = body.signed_distance(x[v], 0.0);
-                if at.value <= 0.0 {
-                    x[v] += at.normal * (near.law_at(v).range() - at.value).min(most);
-                }
-            }
-        }
-    }
-
     /// What the parts of the cloth, and of the surfaces of bodies behind it, stand for.
     pub(crate) fn near(&self) -> &Near {
         &self.contacts.near
@@ -390,13 +352,6 @@ impl PotentialContacts {
         let free = &mut self.contacts.free.list;
         free.iter_mut().for_each(|free| free.is_halted = false);
         false
-    }
-
-    /// How many vertices of the cloth pass through a body because bodies left them no free way, each counted once for
-    /// each body; see the [chapter](super#pinched-cloth).
-    #[must_use]
-    pub fn pinched(&self) -> usize {
-        self.contacts.near.pinched.count()
     }
 
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
