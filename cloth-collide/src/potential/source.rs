@@ -107,7 +107,6 @@ impl Contacts {
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
         let ledger = self.ledger.take();
-        self.take_back();
         self.swap_before();
         let kept = self
             .begin_step(step)

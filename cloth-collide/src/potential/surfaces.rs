@@ -73,7 +73,7 @@ const NO_TIME: Real = 1e-12;
 ///         }
 ///         let to: Vec<Vec3> = (0..25).map(|k| x[k] - gradient[k] / stiffness[k]).collect();
 ///         let safe = contacts.limit(&x, &to)?;
-///         (0..25).for_each(|k| x[k] += (to[k] - x[k]) * safe);
+///         x.iter_mut().zip(&to).for_each(|(x, to)| *x += (to - *x) * safe);
 ///     }
 ///     v = (0..25).map(|k| (x[k] - from[k]) / dt).collect();
 ///     contacts.end(&x, &v);
@@ -325,6 +325,7 @@ impl PotentialContacts {
 
     /// Writes where the vertices of bodies are when the next step begins (m).
     pub(crate) fn place_bodies(&mut self, out: &mut [Vec3]) {
+        self.close();
         self.surfaces.place(&self.contacts.bodies, 0.0);
         out.copy_from_slice(&self.surfaces.from[self.surfaces.cloth..]);
     }
@@ -354,6 +355,13 @@ impl PotentialContacts {
         false
     }
 
+    /// Takes back a step that has not ended: the next one begins where that has begun.
+    fn close(&mut self) {
+        if self.contacts.take_back() {
+            self.surfaces.time = self.surfaces.begun;
+        }
+    }
+
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
     fn place(
         &mut self,
@@ -361,14 +369,12 @@ impl PotentialContacts {
         to: &[Vec3],
         [begins, begins_to_move]: [bool; 2],
     ) -> Result<(), ContactError> {
-        let surfaces = &mut self.surfaces;
-        step.check(surfaces.cloth, to, to)?;
-        // A step that has not ended is taken back.
-        if begins && self.contacts.take_back() {
-            surfaces.time = surfaces.begun;
-        } else if begins {
-            surfaces.begun = surfaces.time;
+        step.check(self.surfaces.cloth, to, to)?;
+        if begins {
+            self.close();
+            self.surfaces.begun = self.surfaces.time;
         }
+        let surfaces = &mut self.surfaces;
         if begins_to_move {
             self.contacts.set_out(step, to);
         }
@@ -393,13 +399,14 @@ impl ContactSource for PotentialContacts {
         inverse_mass: &[Real],
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
-        let surfaces = &mut self.surfaces;
         let step = ContactStep {
             from,
             inverse_mass,
             dt: NO_TIME,
         };
-        step.check(surfaces.cloth, x, x)?;
+        step.check(self.surfaces.cloth, x, x)?;
+        self.close();
+        let surfaces = &mut self.surfaces;
         surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);
