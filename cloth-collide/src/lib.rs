@@ -39,13 +39,13 @@
 //! # Contact in the solve
 //!
 //! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods; the
-//! chapter is [`potential`]. Pressure of a distance below the thickness h stores the *potential* Σ A ψ(d), whose forces
-//! are equal and opposite. *Detection* finds the pairs that can come so near within a step, by bounds on the motion of
-//! patches. A method takes them as an energy or as constraints: both rest at h − ρ g/κ on a body if ρ g ≤ κ h/2, and no
-//! number is tuned for one of them. Since a potential cannot tell the sides of a sheet apart, a *filter* tests every
-//! displacement over the whole of its path. An iteration that minimises and finds no safe path stays where it is; a
-//! substep that projects has to end somewhere, and its *last resort* is vertices that stay where the step began, which
-//! is reported (`held`). So a step is either free of crossings or refused.
+//! chapter is [`potential`]. What is nearer than the thickness h is pressed apart by a *potential* Σ A ψ(d), whose
+//! forces are equal and opposite. *Detection* finds the pairs that can come so near within a step, by bounds on the
+//! motion of patches. A method takes them as an energy or as constraints: both rest at h − ρ g/κ on a body if ρ g ≤ κ
+//! h/2, and no number is tuned for one of them. Since a potential cannot tell the sides of a sheet apart, a *filter*
+//! tests every displacement over the whole of its path. An iteration that minimises and finds no safe path stays where
+//! it is; a substep that projects has to end somewhere, and its *last resort* is vertices that stay where the step
+//! began, which is reported (`held`). So a step is either free of crossings or refused.
 //!
 //! The naive loops are two examples, each compared with the potential of the crate: `examples/first_program.rs`, the
 //! vertices before a floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets. How the loops of the crate

@@ -48,14 +48,13 @@
 //! ([`residual`](cloth_core::step::StepReport::residual)) in the report.
 //!
 //! A step calls `begin`, in each iteration `add_gradient`, `linearize` and `limit` or `limit_each`, and `end`. `begin`
-//! checks that nothing crosses at the start, unless that is where the
-//! last step has ended, and moves the bodies that the cloth pushes. It chooses the pairs, freezes friction, and moves
-//! the start of the iteration as far towards the method's own start as the path is safe; where pins or bodies move, or
-//! cloth begins inside a body, a substep of the constraints finds the start instead. The minimum that the iteration
-//! finds depends on its start only if there are several. An iteration takes the gradient and the rows, solves, asks
-//! `limit` how far it may go, and moves. `end` stores the tangential displacement of sticking contacts, and adds up
-//! work, forces and the energy that is stored. A method that minimises sees bodies where the step ends, the substeps of
-//! one that projects see them on their path.
+//! checks that nothing crosses at the start, unless that is where the last step has ended, and moves the bodies that
+//! the cloth pushes. It chooses the pairs, freezes friction, and moves the start of the iteration as far towards the
+//! method's own start as the path is safe; where pins or bodies move, or cloth begins inside a body, a substep of the
+//! constraints finds the start instead. The minimum that the iteration finds depends on its start only if there are
+//! several. `end` stores the tangential displacement of sticking contacts, and adds up work, forces and the energy that
+//! is stored. A method that minimises sees bodies where the step ends, the substeps of one that projects see them on
+//! their path.
 //!
 //! Friction has the normal forces λ and the directions of the start of the step (`friction`): a cloth that lands has
 //! none in the step in which it does. Its energy is μ λ f(u) of the displacement u in the tangent plane since then,

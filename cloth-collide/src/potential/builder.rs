@@ -79,8 +79,8 @@ impl<'a> PotentialBuilder<'a> {
     }
 
     /// The same for each vertex of the cloth apart (m), where pieces are not equally thick: it keeps this distance from
-    /// bodies, and two pieces keep half the sum of theirs, those of one vertex of each. Replaces
-    /// [`thickness`](Self::thickness).
+    /// bodies, and two pieces keep half the sum of theirs, those of one vertex of each. The length below which friction
+    /// is a spring is a hundredth of the largest. Replaces [`thickness`](Self::thickness).
     #[must_use]
     pub fn thickness_of_vertices(mut self, thickness: Vec<Real>) -> Self {
         self.own.thicknesses = thickness;
@@ -88,8 +88,8 @@ impl<'a> PotentialBuilder<'a> {
     }
 
     /// Coefficients of friction μ (dimensionless) of each vertex of the cloth apart, where pieces are not equally
-    /// rough. Two that touch have the geometric mean of their coefficients, a vertex and a body too. Replaces
-    /// [`friction`](Self::friction).
+    /// rough. Two that touch have the geometric mean of their coefficients, those of one vertex of each; a vertex and a
+    /// body too. Replaces [`friction`](Self::friction).
     #[must_use]
     pub fn friction_of_vertices(mut self, friction: Vec<Real>) -> Self {
         self.own.frictions = friction;
