@@ -156,6 +156,7 @@
 //! ```
 //!
 //! # Limits
+//!
 //! - Shapes with a signed distance are rigid, and keep the velocities that they were built with, unless the cloth
 //!   pushes them ([`free`](potential::PotentialBuilder::free)); those that deform, or move on any other given path,
 //!   have triangles alone ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A closed rigid mesh
