@@ -21,8 +21,9 @@ use cloth_core::math::Real;
 ///
 /// # Method
 ///
-/// As the [crate](crate#between-two-moments) says, a moving polygon of differences cannot meet the origin over a piece
-/// of time in which n(t) · x_k(t) > d |n(t)| for all its corners x_k, with the minimal separation d. The direction n is
+/// The differences p − a, p − b, p − c of a vertex to the corners of a triangle are the corners of a moving triangle,
+/// those of the ends of two edges of a moving parallelogram. Such a polygon cannot meet the origin over a piece of time
+/// in which n(t) · x_k(t) > d |n(t)| for all its corners x_k, with the minimal separation d. The direction n is
 /// that from the origin to the nearest feature of the polygon; as this feature moves, so does the direction: for a face
 /// the normal u(t) × v(t), for an edge e(t) a direction that stays across it, for a corner the vector to it. Then the
 /// left side is a cubic in t, and the convex hull of its four Bernstein coefficients shows how far it is positive. The

@@ -19,13 +19,20 @@ pub enum CollideError {
     TooFarApart,
 }
 
-/// The same in a step with contact: coordinates are not finite, or too large to work with.
-impl From<CollideError> for ContactError {
-    fn from(error: CollideError) -> Self {
-        let vertex = match error {
-            CollideError::NonFinitePosition { vertex } => vertex,
-            _ => 0,
-        };
+/// The first vertex with a coordinate that is NaN or infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NonFinite {
+    pub(crate) vertex: usize,
+}
+
+impl From<NonFinite> for CollideError {
+    fn from(NonFinite { vertex }: NonFinite) -> Self {
+        Self::NonFinitePosition { vertex }
+    }
+}
+
+impl From<NonFinite> for ContactError {
+    fn from(NonFinite { vertex }: NonFinite) -> Self {
         Self::NonFinite { vertex }
     }
 }

@@ -29,44 +29,23 @@
 //!
 #![doc = include_str!("../doc/crossing-edges.svg")]
 //!
-//! Both are one question. The differences p − a, p − b, p − c of a vertex to the corners of a triangle are the corners
-//! of a moving triangle, those of the ends of two edges of a moving parallelogram, and contact is when it contains the
-//! origin. As long as a plane through the origin has all the corners on one side there is none:
+//! Both are one question: when does a moving polygon, of the differences of a vertex to the corners of a triangle or of
+//! the ends of two edges, contain the origin? [`ContinuousTest`] steps through time from one plane that has the polygon
+//! on one side to the next, and misses no contact. The textbook's way is the other one round: it looks for the times at
+//! which the four vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀ in those differences, and then for
+//! contact there. It is short and fast, and it misses what is in one plane all the time. `cloth-bench ccd` tells which
+//! method errs how often, on queries for which the answer is known exactly.
 //!
-//! n(t) · x_k(t) > d |n(t)| for all k.
+//! # Contact in the solve
 //!
-//! [`ContinuousTest`] finds such planes, which turn along with the nearest face, edge or corner of the polygon, and
-//! steps through time from one to the next. Signs of a few cubics are all that is proved, and all that rounding could
-//! spoil; so the allowance for it is small and explicit, and no contact is missed. A graze and parallel edges take a
-//! [few steps](ContinuousTest#how-many-steps). The textbook's way is the other one round: it looks for the times at
-//! which the four vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀ in the differences x_k above, and
-//! then for contact there. It is short and fast, and it misses what is in one plane all the time. `cloth-bench ccd`
-//! tells which method errs how often, on queries for which the answer is known exactly.
-//!
-//! # Contact in the solve, in five steps
-//!
-//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods;
-//! [`potential`] is a chapter of its own.
-//!
-//! 1. *Potential.* A vertex at distance d < h before a body is pressed with p = −ψ′(d) on its area A and stores A ψ(d).
-//!    The sum over all pairs is an energy, and its gradient is a force that is equal and opposite on the two sides, so
-//!    momentum is kept whatever is done with it. Of two sheets that touch, the vertices of both
-//!    press with half of their areas, together as much as one sheet presses a body.
-//! 2. *Detection.* Only pairs with d < h have energy. Which pairs can come so near within a step follows from bounds on
-//!    relative motion: two patches, of at most 32 neighbouring triangles each, whose gap is g need no detection as long
-//!    as their displacements differ by less than g − h.
-//! 3. *Views.* A method that minimises adds A ψ, A ψ′ ∂d and A ψ″ ∂d ∂dᵀ. One that projects takes the same contact as
-//!    the inequality C = n·Σ wᵢ xᵢ − h ≥ 0 with the compliance α = 1/(A ψ″): where it pushes, −C/α is the force (N)
-//!    A ψ″ (h − d) of the quadratic law. So both rest at h − ρ g/κ on a body if ρ g ≤ κ h/2, and no number is tuned for
-//!    one of them.
-//! 4. *Filter.* The potential alone cannot tell the sides of a sheet apart. So every displacement is tested over the
-//!    whole of its path, and taken only as far as nothing reaches d = 0: what starts without a crossing stays without.
-//! 5. *Last resort.* An iteration that minimises and finds no safe path stays where it is. A substep that projects has
-//!    to end somewhere. Where sweeps do not make its path safe, pairs are pushed apart one by one, vertices that still
-//!    collide move as one rigid body (an impact zone), and in the end vertices stay where they are. That is possible
-//!    because the start was free of crossings, unless prescribed vertices or bodies move into them, and it is reported
-//!    (`held`). So a step is either free of crossings or refused. Two more things are done by such a substep: leading
-//!    the start of a minimisation around pins and bodies that move, and keeping what is moved after a step free.
+//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods; the
+//! chapter is [`potential`]. What is nearer than the thickness h is pressed apart by a *potential* Σ A ψ(d), whose
+//! forces are equal and opposite. *Detection* finds the pairs that can come so near within a step, by bounds on the
+//! motion of patches. A method takes them as an energy or as constraints: both rest at h − ρ g/κ on a body if ρ g ≤ κ
+//! h/2, and no number is tuned for one of them. Since a potential cannot tell the sides of a sheet apart, a *filter*
+//! tests every displacement over the whole of its path. An iteration that minimises and finds no safe path stays where
+//! it is; a substep that projects has to end somewhere, and its *last resort* is vertices that stay where the step
+//! began, which is reported (`held`). So a step is either free of crossings or refused.
 //!
 //! The naive loops are two examples, each compared with the potential of the crate: `examples/first_program.rs`, the
 //! vertices before a floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets. How the loops of the crate
@@ -79,10 +58,11 @@
 //! the mesh a [`BuildError`](cloth_core::step::BuildError) that names the setting and its range. In a step,
 //! [`ContactError`](cloth_core::contact::ContactError) says what it cannot work with (the number of vertices, the step
 //! size, a mass, a position that is not finite) and what it cannot keep: a start that crosses already
-//! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no room (`Infeasible`, with the vertex, unless pinched cloth may pass).
-//! The caller keeps the state that it had. Outside of steps, slices of another length than the mesh has vertices panic
-//! where `# Panics` says so; nothing panics on values. A triangle that has lost its area in motion is a segment or a
-//! point for the distances, the continuous test and the exact one, and is kept apart like any other.
+//! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no room (`Infeasible`, with the vertex,
+//! unless pinched cloth may pass). The caller keeps the state that it had. Outside of steps, slices of another length
+//! than the mesh has vertices, and triangles of vertices without a position, panic where `# Panics` says so;
+//! coordinates and settings panic nowhere. A triangle that has lost its area in motion is a segment or a point for the
+//! distances, the continuous test and the exact one, and is kept apart like any other.
 //!
 //! # Threads
 //!
@@ -116,8 +96,8 @@
 //!
 //! - Cloth that can touch nothing: leave contact out, and no code of this crate runs. With it, a sheet in free fall
 //!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`). A step of
-//!   `implicit-euler` takes 25 ms for a hanging sheet of 64 × 64, and 432 ms as it falls on a ball and can touch itself
-//!   (machine and commit in [`potential`], Cost).
+//!   `implicit-euler` takes 15 ms for a hanging sheet of 64 × 64, and 351 ms as it falls on a ball and can touch itself
+//!   (machine and commit in `cloth-bench/doc/results.md`).
 //! - A floor alone, far from any fold: an element with a penalty on the vertices
 //!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
 //! - Bouncing with methods that minimise: [restitution](potential::PotentialBuilder::restitution) is for those that
@@ -128,8 +108,9 @@
 //!
 //! # Equation → function
 //!
-//! Of two edges, u and v are their vectors, n = u × v, and d goes from the first end of the second to that of the
-//! first; of a triangle, u and e are two edges, n = u × e, and d goes from a corner to the point.
+//! [`obstacle`], [`potential`] and [`untangle`] have tables of their own. Of two edges, u and v are their vectors, n =
+//! u × v, and d goes from the first end of the second to that of the first; of a triangle, u and e are two edges, n = u
+//! × e, and d goes from a corner to the point.
 //!
 //! | What | Where |
 //! |---|---|
@@ -138,11 +119,8 @@
 //! | n(t) · x_k(t) > d \|n(t)\|: time of impact, never late | [`ContinuousTest`] |
 //! | signs of pqab, pqbc, pqca: a segment meets a triangle, exactly | [`segment_meets_triangle`] |
 //! | an edge of one meets the other: two triangles meet, exactly | [`triangles_meet`] |
-//! | φ(x) and its gradient, for shapes at rest and moving | [`obstacle`], with a table of its own |
 //! | boxes of all that moves overlap, and no plane is between them: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
-//! | Σ A ψ(d), felt by a method while it solves | [`potential`], a chapter of its own |
-//! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
 //!
 //! # Examples
@@ -182,8 +160,8 @@
 //! - Shapes with a signed distance are rigid, and keep the velocities that they were built with, unless the cloth
 //!   pushes them ([`free`](potential::PotentialBuilder::free)); those that deform, or move on any other given path,
 //!   have triangles alone ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A closed rigid mesh
-//!   is a [`ClosedMesh`](obstacle::ClosedMesh) (or [`SampledDistance`](obstacle::SampledDistance)) with a surface of the
-//!   same triangles, an open one, or one through itself, a [`SurfaceOnly`](obstacle::SurfaceOnly) with its surface.
+//!   is a [`ClosedMesh`](obstacle::ClosedMesh) (or [`SampledDistance`](obstacle::SampledDistance)) with a surface of
+//!   the same triangles, an open one, or one through itself, a [`SurfaceOnly`](obstacle::SurfaceOnly) with its surface.
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
@@ -202,13 +180,14 @@
 //! | `ccd/advance.rs`, `ccd/advance/`, `ccd/number.rs` | the walk through time, in `f64` and in numbers of twice the digits |
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
-//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `surface_only`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`, `impact`; `sweep` |
-//! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `obstacle_contact`, `near_pairs`, `sleeping`, `patches`, `quiet`, `filter`; `row`, `rows`, `bodies`, `tangent`, `rebound`; `surfaces`, `free`, `stops`; `last_resort`, `zones`; `source`, `forces`, `report`, `sewn`, `let_go`, `builder` |
+//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `surface_only`, `shifted`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`, `impact`; `sweep`; `error` |
+//! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `obstacle_contact`, `near_pairs`, `sleeping`, `patches`, `quiet`, `filter`; `row`, `rows`, `bodies`, `tangent`, `rebound`; `surfaces`, `free`, `stops`; `last_resort`, `zones`; `source`, `forces`, `report`, `sewn`, `let_go`, `pinched`, `builder` |
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back`, `during` |
 //! | `broad_phase.rs`, `broad_phase/hierarchy.rs` | what a broad phase is; the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | a grid of cells, and two ways to sort boxes into it |
 //! | `broad_phase/candidates.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |
-//! | `broad_phase/triangle_pairs.rs`, `separation.rs` | pairs of triangles with overlapping boxes; the measurement |
+//! | `broad_phase/triangle_pairs.rs` | pairs of triangles with overlapping boxes |
+//! | `separation.rs`, `separation/` | the measurement: of a cloth, and of cloth in `bodies` and from a `surface` |
 //! | `incidence.rs` | which triangle represents which vertex and edge |
 //! | `error.rs` | what can be wrong with positions and settings |
 //!

@@ -144,7 +144,7 @@ pub trait SignedDistance: Debug + Send + Sync {
     }
 
     /// How far φ may be from the distance to the surface (m), 0 if it is that, and infinite if there is no such
-    /// distance.
+    /// distance. Of a [`SampledDistance`] that holds in its grid; outside φ may be too small by more.
     fn error_bound(&self) -> Real {
         0.0
     }

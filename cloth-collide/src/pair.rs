@@ -222,7 +222,13 @@ impl Query {
 
     /// The first time (0..=1) at which the distance is down to `separation` (m); nothing if there is none.
     pub(crate) fn time_at(&self, separation: Real) -> Option<Real> {
-        let found = ContinuousTest::new(separation, 0.0).and_then(|test| self.first_contact(&test));
+        self.time_near(separation, 0.0)
+    }
+
+    /// The same, or sooner by a `slack` as in [`ContinuousTest::new`].
+    pub(crate) fn time_near(&self, separation: Real, slack: Real) -> Option<Real> {
+        let test = ContinuousTest::new(separation, slack);
+        let found = test.and_then(|test| self.first_contact(&test));
         // Numbers too large: nothing is certain.
         found.map_or(Some(0.0), |impact| impact.map(|impact| impact.time))
     }

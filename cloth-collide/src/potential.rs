@@ -24,9 +24,9 @@
 //! end. Methods that project take φ, and go from side to side within a sweep.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
-//! ∂dᵀ. Without A ψ′ ∂²d, even Newton's iteration converges no faster than linearly where contact points slide or the
-//! normal turns; [`PairContact`] has it, and compares keeping, projecting and dropping it. Before a method moves the
-//! cloth it asks how far the path is safe
+//! ∂dᵀ, for two edges times the [`Mollifier`] m. Without A ψ′ ∂²d, even Newton's iteration converges no faster than
+//! linearly where contact points slide or the normal turns; [`PairContact`] has it, and compares keeping, projecting
+//! and dropping it. Before a method moves the cloth it asks how far the path is safe
 //! ([`ContinuousTest`](crate::ContinuousTest)). So what it accepts is free of crossings, and nothing is left to be
 //! repaired afterwards. The answer is the safe part of the path, a number from 0 (none of it) to 1 (all of it): one for
 //! all vertices (`limit`), or one for each (`limit_each`). What is safe keeps a fifth of each distance, or of h where
@@ -47,14 +47,14 @@
 //! [`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent) and the decrement that is left
 //! ([`residual`](cloth_core::step::StepReport::residual)) in the report.
 //!
-//! Three functions are called in a step. `begin` checks that nothing crosses at the start, unless that is where the
-//! last step has ended, and moves the bodies that the cloth pushes. It chooses the pairs, freezes friction, and moves
-//! the start of the iteration as far towards the method's own start as the path is safe; where pins or bodies move, or
-//! cloth begins inside a body, a substep of the constraints finds the start instead. The minimum that the iteration
-//! finds depends on its start only if there are several. An iteration takes the gradient and the rows, solves, asks
-//! `limit` how far it may go, and moves. `end` stores the tangential displacement of sticking contacts, and adds up
-//! work, forces and the energy that is stored. A method that minimises sees bodies where the step ends, the substeps of
-//! one that projects see them on their path.
+//! A step calls `begin`, in each iteration `add_gradient`, `linearize` and `limit` or `limit_each`, and `end`. `begin`
+//! checks that nothing crosses at the start, unless that is where the last step has ended, and moves the bodies that
+//! the cloth pushes. It chooses the pairs, freezes friction, and moves the start of the iteration as far towards the
+//! method's own start as the path is safe; where pins or bodies move, or cloth begins inside a body, a substep of the
+//! constraints finds the start instead. The minimum that the iteration finds depends on its start only if there are
+//! several. `end` stores the tangential displacement of sticking contacts, and adds up work, forces and the energy that
+//! is stored. A method that minimises sees bodies where the step ends, the substeps of one that projects see them on
+//! their path.
 //!
 //! Friction has the normal forces λ and the directions of the start of the step (`friction`): a cloth that lands has
 //! none in the step in which it does. Its energy is μ λ f(u) of the displacement u in the tangent plane since then,
@@ -77,9 +77,9 @@
 //! 4. What is left has its distance computed, and is a term of the sum.
 //!
 //! Each stage may keep a pair too many, and must not lose one. `tests/unit/potential_near_pairs.rs` compares the list
-//! with all pairs on random paths, `tests/all/candidates.rs` the broad phases with brute force. The Hessian of a pair,
-//! twelve by twelve, is compared with differences in all regions (`tests/all/potential_derivatives.rs`), and the rows
-//! of all contacts with the change of the gradient, which they are not below (`tests/all/potential.rs`).
+//! with all pairs on random paths, `tests/all/candidates.rs` the broad phases with brute force;
+//! `tests/all/potential_derivatives.rs` compares the Hessian of a pair with differences. `tests/all/potential.rs` has
+//! pᵀ H p by the rows for random p, which is never less than by the change of the gradient along p.
 //!
 //! # What is kept, and what is not
 //!
@@ -160,26 +160,12 @@
 //!
 //! # Add it to a method
 //!
-//! One that minimises: `begin`; in each iteration `add_gradient` and `linearize`, then `limit` or `limit_each` before
-//! moving; `end`. Every `add_gradient`, and `end` too, needs a `limit` (or the `begin`, for `start`) whose path
-//! contains the place. One that projects: [`ContactConstraints`](cloth_core::contact::ContactConstraints) in the order
-//! of its functions, or [`Projection::step`](cloth_core::contact::Projection::step) after a free step.
-//! `cloth-bench/examples/own-method` is an example. After an error the positions are of no use: the caller keeps the
-//! state that it had.
-//!
-//! # How each method takes it
-//!
-//! | method | contact is |
-//! |---|---|
-//! | implicit Euler, BDF2 | an energy in what a step minimises, with its Hessian in the multigrid cycle |
-//! | linearised implicit Euler | the same, beside a cloth that is linearised, and again where it is stopped |
-//! | implicit midpoint | the same, of the positions at the end of the step |
-//! | projective dynamics | an energy in the quasi-Newton iteration, with a bound for each vertex |
-//! | XPBD, PBD | constraints in every substep, last in each sweep |
-//! | XPBD solved directly | constraints after the solve of every substep |
-//! | symplectic and forward Euler | constraints at the end of every substep |
-//! | limits of strain after a step | no part of them; the displacement that they add is kept free of crossings |
-//! | Newton's method with a linear solver | not at all: a step with contact is refused, and the quasi-Newton method named |
+//! In the order that [`ContactPotential`](cloth_core::contact::ContactPotential) says, for one that minimises, or
+//! [`ContactConstraints`](cloth_core::contact::ContactConstraints), for one that projects;
+//! [`Projection::step`](cloth_core::contact::Projection::step) is all of that after a free step. [`PotentialContacts`]
+//! has a short example, `cloth-bench/examples/own-method` a whole one, and `cloth-bench/doc/results.md` says how each
+//! method of the workspace takes it. After an error the positions are of no use: the caller keeps the state that it
+//! had.
 //!
 //! # Equation → code
 //!
@@ -226,21 +212,8 @@
 //! Timed: `cargo bench --bench response` holds a step of a folded sheet in which nothing comes nearer (`apart`:
 //! detection alone) beside one that presses it (`pressed`), `cargo bench --bench steps -- "in flight"` a whole step of
 //! XPBD with and without detection, and `cargo bench --bench broad_phase` one search of all candidates.
-//! `cloth-bench/doc/results.md` has the time of a step of each method, without contact and with: the difference is not
-//! detection alone, since contact also takes more iterations (below).
-//!
-//! Detection beside the solve: 64 × 64 vertices dropped on a ball, which touch themselves, 20 steps on one thread
-//! (2 cores of an Intel Xeon VM, commit 3158c95):
-//! `cargo run --release -p cloth-bench -- run cloth-bench/scenes/ball.toml --method pd --threads 1`, and other methods.
-//! Steps are medians, shares are those of the whole run (`perf`), and the milliseconds beside them the product of both:
-//!
-//! | method | a step | detection and continuous tests | solve |
-//! |---|---|---|---|
-//! | `pd` | 143 ms | 38 %: 54 ms (`limit_each`) | 16 %: 23 ms, with the factor |
-//! | `implicit-euler` | 432 ms | 17 %: 73 ms (`begin` 4 %, `limit` 9 %, `limit_each` 4 %) | 50 %: 216 ms, multigrid |
-//!
-//! `xpbd` has 209 ms a step: rows of contact and their detection are 56 % of it, 117 ms, of which 19 % of the step are
-//! the search for pairs; all else is 44 %, 92 ms.
+//! `cloth-bench/doc/results.md` has the time of a step of each method, without contact and with, and how much of it
+//! detection takes: contact also takes more iterations (below).
 //!
 //! # Limits
 //!

@@ -73,6 +73,7 @@ pub struct SeparationProbe {
     incidence: Incidence,
     excluded: LetGo,
     sewn: Sewn,
+    vertex_count: usize,
 }
 
 impl SeparationProbe {
@@ -84,11 +85,13 @@ impl SeparationProbe {
             incidence: Incidence::new(mesh),
             excluded: LetGo::default(),
             sewn: Sewn::default(),
+            vertex_count: mesh.vertex_count(),
         }
     }
 
     /// Without pairs of regions that may pass through each other, as
-    /// [`PotentialBuilder::exclude`](crate::potential::PotentialBuilder::exclude) has them.
+    /// [`PotentialBuilder::exclude`](crate::potential::PotentialBuilder::exclude) has them: `region` has a number for
+    /// each vertex. A vertex beyond its end is in no region.
     #[must_use]
     pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
         self.excluded = LetGo::new(region, pairs);
@@ -96,10 +99,11 @@ impl SeparationProbe {
     }
 
     /// Without pairs of triangles that meet at a seam, as
-    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the vertices.
+    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the vertices. What has a vertex that
+    /// there is not is left out.
     #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
-        self.sewn = Sewn::new(pairs, onto_edges);
+        self.sewn = Sewn::new(pairs, onto_edges, self.vertex_count);
         self
     }
 

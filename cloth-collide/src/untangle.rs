@@ -23,7 +23,7 @@
 //! a whole. Where that gains too little it is tried with less of it, and at last without.
 //!
 //! Positions alone are moved; there is no elastic energy in this. An untangled cloth has mostly gone farther than it
-//! had to: [`bring_back`] takes it back towards where it was as far as contact with a thickness lets it.
+//! had to: [`project_back`] takes it back towards where it was as far as contact with a thickness lets it.
 //!
 //! A simulation need not wait for that. [`StepUntangler`] takes a few iterations before each step, and lets contact
 //! leave out the pairs that still cross, while all others keep their promise. It also pulls the cloth out of bodies:
@@ -48,7 +48,7 @@
 //! | parts that are cut off, and the way back | `pieces` |
 //! | displacements averaged over edges | `smooth` |
 //! | until no triangles meet | [`Untangler::relax`] |
-//! | min ‖x − x₀‖ with layers h apart | [`bring_back`] |
+//! | min ‖x − x₀‖ with layers h apart | [`project_back`] |
 //! | iterations before each step of a simulation | [`StepUntangler`] |
 //!
 //! # Measured
@@ -78,7 +78,7 @@
 //!   are then finite, and no more tangled than the report says.
 //! - Which part is right is a guess by size, and may be the wrong one.
 //! - Pushes can make the contour longer for a while.
-//! - Untangled means that no triangles meet, exactly; the distance may be tiny until [`bring_back`] has opened it.
+//! - Untangled means that no triangles meet, exactly; the distance may be tiny until [`project_back`] has opened it.
 //! - Edges in the plane of a triangle have no crossing point, and do not pull.
 //!
 //! # References
@@ -95,10 +95,10 @@ mod during;
 mod pieces;
 mod smooth;
 
-pub use back::bring_back;
+pub use back::project_back;
 pub use during::{CrossingPairs, StepUntangler};
 
-use crate::error::CollideError;
+use crate::error::{CollideError, NonFinite};
 use crate::potential::PotentialContacts;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -331,7 +331,7 @@ impl Untangler {
 
     /// One iteration from positions (m) whose contour has just been found: shortens it with as much averaging as helps,
     /// or pushes what is cut off.
-    fn iterate(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<(), CollideError> {
+    fn iterate(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<(), NonFinite> {
         let before = self.contour.length();
         for rounds in SMOOTHINGS {
             let taken = self.descend(positions, world, rounds, self.longest_step)?;
@@ -354,7 +354,7 @@ impl Untangler {
         world: World<'_>,
         rounds: u32,
         step: Real,
-    ) -> Result<Option<Real>, CollideError> {
+    ) -> Result<Option<Real>, NonFinite> {
         self.contour.gradient(&mut self.gradient);
         self.scale(world.inverse_mass);
         self.smoother
@@ -390,7 +390,7 @@ impl Untangler {
     }
 
     /// Pushes what is cut off back by the longest step. Whether anything is, and can move.
-    fn push(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<bool, CollideError> {
+    fn push(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<bool, NonFinite> {
         let is_inside = |vertex| world.is_inside(vertex, positions);
         if !self.pieces.divide(self.contour.crossings(), is_inside) {
             return Ok(false);

@@ -7,7 +7,7 @@ use crate::tangle;
 use clap::Args;
 use cloth_collide::SeparationProbe;
 use cloth_collide::potential::PotentialContacts;
-use cloth_collide::untangle::{UntangleOutcome, UntangleProgress, Untangler, bring_back};
+use cloth_collide::untangle::{UntangleOutcome, UntangleProgress, Untangler, project_back};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{obj, ply};
 use serde_json::json;
@@ -102,8 +102,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     if report.pairs_before > 0 && report.pairs_after == 0 {
         eprintln!("untangled; back towards the start");
         let contacts = PotentialContacts::builder(&mesh).thickness(thickness);
-        let mut contacts = contacts.keep_all_apart().build()?;
-        bring_back(&mut contacts, &inverse_mass, mesh.positions(), &mut x)?;
+        let mut contacts = contacts.full_thickness().build()?;
+        project_back(&mut contacts, &inverse_mass, mesh.positions(), &mut x)?;
     }
     let separation = SeparationProbe::new(&mesh).measure(&x)?;
     let ways = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());

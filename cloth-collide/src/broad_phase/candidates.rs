@@ -5,7 +5,7 @@ use super::order::PairSorter;
 use super::triangle_pairs::TrianglePairs;
 use crate::bounds::Bounds;
 use crate::ccd::{Query, QueryKind};
-use crate::error::CollideError;
+use crate::error::{CollideError, NonFinite};
 use crate::incidence::Incidence;
 use crate::pair::{Gap, Pair};
 use cloth_core::error::not_negative;
@@ -81,15 +81,25 @@ impl<B: BroadPhase> ClothCandidates<B> {
     /// # Panics
     /// If there are not as many positions as the mesh has vertices.
     pub fn update(&mut self, from: &[Vec3], to: &[Vec3], margin: Real) -> Result<(), CollideError> {
+        not_negative("margin (m)", margin)?;
+        Ok(self.search(from, to, margin)?)
+    }
+
+    /// The same with a margin (m) that is not negative.
+    pub(crate) fn search(
+        &mut self,
+        from: &[Vec3],
+        to: &[Vec3],
+        margin: Real,
+    ) -> Result<(), NonFinite> {
         let count = self.vertex_boxes.len();
         assert!(
             from.len() == count && to.len() == count,
             "the number of positions is not the number of vertices"
         );
-        not_negative("margin (m)", margin)?;
         let ends = || from.iter().zip(to);
         if let Some(vertex) = ends().position(|(a, b)| !is_finite(a) || !is_finite(b)) {
-            return Err(CollideError::NonFinitePosition { vertex });
+            return Err(NonFinite { vertex });
         }
         for (bounds, (&from, &to)) in self.vertex_boxes.iter_mut().zip(ends()) {
             *bounds = Bounds::around([from, to]).inflated(0.5 * margin);

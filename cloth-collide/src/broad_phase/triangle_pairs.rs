@@ -3,7 +3,7 @@
 use super::order::PairSorter;
 use super::{BroadPhase, Hierarchy};
 use crate::bounds::Bounds;
-use crate::error::CollideError;
+use crate::error::NonFinite;
 use cloth_core::math::{Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
 
@@ -34,14 +34,14 @@ impl TrianglePairs {
     }
 
     /// Finds the pairs at `positions` (m), one per vertex; what was found stays where one is not finite.
-    pub(crate) fn find(&mut self, positions: &[Vec3]) -> Result<(), CollideError> {
+    pub(crate) fn find(&mut self, positions: &[Vec3]) -> Result<(), NonFinite> {
         assert_eq!(
             positions.len(),
             self.vertex_count,
             "the number of positions is not the number of vertices"
         );
         if let Some(vertex) = positions.iter().position(|p| !is_finite(p)) {
-            return Err(CollideError::NonFinitePosition { vertex });
+            return Err(NonFinite { vertex });
         }
         for (bounds, &corners) in self.bounds.iter_mut().zip(&self.triangles) {
             *bounds = Bounds::around(gather(positions, corners));

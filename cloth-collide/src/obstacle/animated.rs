@@ -58,8 +58,12 @@ impl AnimatedMesh {
         self.shapes.len()
     }
 
-    /// Writes where the vertices are at `time` (s) to `out` (m), as many as there are.
+    /// Writes where the vertices are at `time` (s) to `out` (m).
+    ///
+    /// # Panics
+    /// If there is not one place per vertex.
     pub fn place(&self, time: Real, out: &mut [Vec3]) {
+        assert_eq!(out.len(), self.vertex_count(), "one place a vertex");
         let last = self.shapes.len() - 1;
         let place = (time / self.interval).clamp(0.0, last as Real);
         let first = (place as usize).min(last.saturating_sub(1));

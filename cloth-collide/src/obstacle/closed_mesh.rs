@@ -145,8 +145,8 @@ impl fmt::Debug for ClosedMesh {
     }
 }
 
-/// Where on its triangle the nearest point is: at a corner (0 to 2), on an edge (3 to 5), from corner k to the next one,
-/// or inside (6).
+/// Where on its triangle the nearest point is: at a corner (0 to 2), on an edge (3 to 5), from corner k to the next
+/// one, or inside (6).
 fn feature(nearest: &PointTriangle) -> usize {
     match nearest.weights.map(|weight| weight > 0.0) {
         [true, false, false] => 0,

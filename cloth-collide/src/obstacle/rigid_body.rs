@@ -153,8 +153,9 @@ impl RigidBody {
     }
 
     /// The highest angular frequency Ω (rad/s) at which the body swings if its whole `surface`, in its own frame, is
-    /// pressed by contact of `stiffness` κ (Pa/m): the square root of the largest eigenvalue of M⁻¹K, with
-    /// K = κ ∫ (n, r × n)(n, r × n)ᵀ dA. Steps of less than 2/Ω are stable.
+    /// pressed by contact of `stiffness` κ (Pa/m): the square root of the largest eigenvalue of M⁻¹K, with K = κ ∫ (n,
+    /// r × n)(n, r × n)ᵀ dA. Steps of less than 2/Ω are stable while contact is in the quadratic part of its law, down
+    /// to half of the thickness; pressed nearer it is stiffer.
     #[must_use]
     pub fn highest_frequency(&self, stiffness: Real, surface: &TriMesh) -> Real {
         let mut pressed = Matrix6::zeros();

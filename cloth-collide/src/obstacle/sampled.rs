@@ -23,13 +23,15 @@ const FARTHEST: Real = 1.82;
 /// c = φ − ⅛ Σ (φ₋ − 2φ + φ₊) over the axes. The spline of c is right for quadratic functions, and off by the third
 /// power of the spacing where the surface is smooth.
 ///
-/// **What is approximate.** Inside the grid, φ differs from the shape's own by at most
-/// [`SignedDistance::error_bound`], 1.82 spacings; in tests by up to a quarter of one, at edges, which come out rounded.
-/// The gradient is that of this φ, so its length, [`Distance::slope`], is not quite 1.
+/// **What is approximate.** Inside the grid, φ differs from the shape's own by at most [`SignedDistance::error_bound`],
+/// 1.82 spacings; in tests by up to a quarter of one, at edges, which come out rounded. The gradient is that of this φ,
+/// so its length, [`Distance::slope`], is not quite 1.
 ///
 /// **Outside the grid** nothing is known but what follows from the samples: with q the nearest point of the grid's box
-/// and r the distance from it, φ = √(r² + φ(q)²). No point of the shape is nearer than that (to the same bound),
-/// because all of it is on the other side of q. The answer is continuous across the border of the grid.
+/// and r the distance from it, φ = √(r² + max(φ(q), 0)²). No point of the shape is nearer than that (to the same
+/// bound), because all of it is on the other side of q; it may be farther by more. The answer is continuous across the
+/// border where φ is not negative there. A padding of the thickness of contact and a spacing has all that touches
+/// inside.
 pub struct SampledDistance {
     /// The box in which φ is known.
     lower: Vec3,

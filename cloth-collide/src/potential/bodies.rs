@@ -343,7 +343,8 @@ impl Row {
     /// Whether the vertex does not come too near on its path to `x` (m).
     fn is_safe(&self, substep: &Substep<'_>, x: &[Vec3]) -> bool {
         let (body, step) = (substep.body(self), &substep.step);
-        let (v, h) = (self.vertex as usize, substep.near.law.range());
+        let v = self.vertex as usize;
+        let h = substep.near.law_at(v).range();
         let (from, to) = (step.from[v], x[v]);
         if self.distance <= 0.0 {
             // It has been inside before, and must not get deeper.

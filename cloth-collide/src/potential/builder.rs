@@ -44,6 +44,8 @@ pub struct PotentialBuilder<'a> {
     /// At which the first step begins (s).
     time: Real,
     own: Own,
+    /// See [`PotentialBuilder::sew`].
+    sewn: (Vec<[u32; 2]>, Vec<[u32; 3]>),
 }
 
 impl<'a> PotentialBuilder<'a> {
@@ -61,6 +63,7 @@ impl<'a> PotentialBuilder<'a> {
                 self_collision: true,
                 ..Own::default()
             },
+            sewn: Default::default(),
         }
     }
 
@@ -76,8 +79,8 @@ impl<'a> PotentialBuilder<'a> {
     }
 
     /// The same for each vertex of the cloth apart (m), where pieces are not equally thick: it keeps this distance from
-    /// bodies, and two pieces keep half the sum of theirs, those of one vertex of each. Replaces
-    /// [`thickness`](Self::thickness).
+    /// bodies, and two pieces keep half the sum of theirs, those of one vertex of each. The length below which friction
+    /// is a spring is a hundredth of the largest. Replaces [`thickness`](Self::thickness).
     #[must_use]
     pub fn thickness_of_vertices(mut self, thickness: Vec<Real>) -> Self {
         self.own.thicknesses = thickness;
@@ -85,8 +88,8 @@ impl<'a> PotentialBuilder<'a> {
     }
 
     /// Coefficients of friction μ (dimensionless) of each vertex of the cloth apart, where pieces are not equally
-    /// rough. Two that touch have the geometric mean of their coefficients, a vertex and a body too. Replaces
-    /// [`friction`](Self::friction).
+    /// rough. Two that touch have the geometric mean of their coefficients, those of one vertex of each; a vertex and a
+    /// body too. Replaces [`friction`](Self::friction).
     #[must_use]
     pub fn friction_of_vertices(mut self, friction: Vec<Real>) -> Self {
         self.own.frictions = friction;
@@ -107,15 +110,15 @@ impl<'a> PotentialBuilder<'a> {
     /// sewn onto.
     #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
-        self.own.sewn = Sewn::new(pairs, onto_edges);
+        self.sewn = (pairs.to_vec(), onto_edges.to_vec());
         self
     }
 
     /// Edges push from the thickness on, as vertices do, and vertices with all of their area: where everything is to be
     /// that far apart, at any cost.
     #[must_use]
-    pub fn keep_all_apart(mut self) -> Self {
-        self.own.keeps_all_apart = true;
+    pub fn full_thickness(mut self) -> Self {
+        self.own.full_thickness = true;
         self
     }
 
@@ -214,11 +217,14 @@ impl<'a> PotentialBuilder<'a> {
     /// # Errors
     /// [`BuildError::OutOfRange`] for a thickness or stiffness that is not positive and finite, a friction that is
     /// negative or not finite, a restitution outside 0 to 1, thicknesses, frictions or regions of vertices that are not
-    /// as many as these, the surface of an obstacle that there is not, or a free one that there is not, an animation of
-    /// another number of vertices than its mesh, a sewn vertex that there is not, or vertices beyond 2³² together.
+    /// as many as these, the surface of an obstacle that there is not, a free one that there is not or that is free
+    /// already, an animation of another number of vertices than its mesh, a sewn vertex that there is not, or vertices
+    /// beyond 2³² together.
     /// [`BuildError::SettingsConflict`] for restitution beside a free body.
     pub fn build(mut self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
+        let (pairs, onto_edges) = &self.sewn;
+        self.own.sewn = Sewn::new(pairs, onto_edges, self.mesh.vertex_count());
         let most = self.own.thicknesses.iter().copied().reduce(Real::max);
         let thickness = most.unwrap_or(self.thickness);
         let law = PenaltyLaw {
@@ -297,9 +303,11 @@ impl<'a> PotentialBuilder<'a> {
                 return Err(invalid(name, length as Real, "the number of vertices"));
             }
         }
-        if own.sewn.count() > count {
+        let (pairs, onto_edges) = &self.sewn;
+        let sewn = pairs.iter().flatten().chain(onto_edges.iter().flatten());
+        if let Some(&last) = sewn.max().filter(|last| **last as usize >= count) {
             let (name, range) = ("number of a sewn vertex", "below the number of vertices");
-            return Err(invalid(name, (own.sewn.count() - 1) as Real, range));
+            return Err(invalid(name, last.into(), range));
         }
         for &value in &own.thicknesses {
             positive("thickness of a vertex (m)", value)?;
@@ -317,12 +325,20 @@ impl<'a> PotentialBuilder<'a> {
     }
 
     fn free_bodies(&self) -> Result<Vec<FreeBody>, BuildError> {
-        let found = self.free.iter().map(|&(number, body)| {
-            let (obstacle, _) = self.body("number of a free obstacle", number)?;
+        let name = "number of a free obstacle";
+        let found = self.free.iter().enumerate().map(|(k, &(number, body))| {
+            let (obstacle, _) = self.body(name, number)?;
+            if self.free[..k].iter().any(|(other, _)| *other == number) {
+                return Err(invalid(
+                    name,
+                    number as Real,
+                    "one that is not free already",
+                ));
+            }
             let is_own = |motion: &Motion| matches!(motion, Motion::Obstacle(of) if *of == number);
-            let surface = self.surfaces.iter().find(|(_, motion)| is_own(motion));
-            let vertices = surface.map_or(&[][..], |(mesh, _)| mesh.positions());
-            Ok(FreeBody::new(number, body, obstacle, vertices.to_vec()))
+            let surfaces = self.surfaces.iter().filter(|(_, motion)| is_own(motion));
+            let vertices = surfaces.flat_map(|(mesh, _)| mesh.positions().iter().copied());
+            Ok(FreeBody::new(number, body, obstacle, vertices.collect()))
         });
         found.collect()
     }

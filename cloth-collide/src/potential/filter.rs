@@ -1,8 +1,8 @@
 //! How far a path is safe.
 
+use super::near::Near;
 use super::near_pairs::{ChosenPair, NearPairs};
-use crate::ccd::{ContinuousTest, Query};
-use crate::error::CollideError;
+use crate::ccd::Query;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use crate::pair::Gap;
 use cloth_core::math::{Real, Vec3};
@@ -21,20 +21,25 @@ impl NearPairs {
     /// The part of a path (m) on which every near pair keeps [`SLACK`] of its distance.
     pub(super) fn safe_part(
         &self,
-        thickness: Real,
+        near: &Near,
         from: &[Vec3],
         to: &[Vec3],
         obstacles: &[Obstacle],
-    ) -> Result<Real, CollideError> {
+    ) -> Real {
         let mut cap: Real = 1.0;
         for pair in self.iter() {
-            cap = cap.min(time_of_pair(pair, from, to)?);
+            cap = cap.min(time_of_pair(pair, from, to));
         }
         for &[vertex, number] in &self.vertex_obstacle {
             let (v, obstacle) = (vertex as usize, &obstacles[number as usize]);
-            cap = cap.min(time_of_obstacle(obstacle, thickness, from[v], to[v]));
+            cap = cap.min(time_of_obstacle(
+                obstacle,
+                near.law_at(v).range(),
+                from[v],
+                to[v],
+            ));
         }
-        Ok(cap)
+        cap
     }
 
     /// Takes vertices back on their paths (m) until every near pair keeps [`SLACK`] of its distance: all vertices of a
@@ -42,16 +47,17 @@ impl NearPairs {
     /// each path. Returns whether that changed anything.
     pub(super) fn shorten(
         &mut self,
-        thickness: Real,
+        near: &Near,
         path: (&[Vec3], &mut [Vec3]),
         parts: &mut [Real],
         obstacles: &[Obstacle],
-    ) -> Result<bool, CollideError> {
+    ) -> bool {
         let (from, to) = path;
         let mut is_cut = false;
         for &[vertex, number] in &self.vertex_obstacle {
             let v = vertex as usize;
-            let part = time_of_obstacle(&obstacles[number as usize], thickness, from[v], to[v]);
+            let obstacle = &obstacles[number as usize];
+            let part = time_of_obstacle(obstacle, near.law_at(v).range(), from[v], to[v]);
             is_cut |= part < 1.0;
             shorten_one(from, to, parts, v, part);
         }
@@ -74,7 +80,7 @@ impl NearPairs {
             for chosen in self.iter() {
                 let vertices = chosen.contact.pair.vertices;
                 if was_cut(&vertices) {
-                    take(vertices, time_of_pair(chosen, from, to)?);
+                    take(vertices, time_of_pair(chosen, from, to));
                 }
             }
             if !is_short || rounds == ROUNDS {
@@ -89,10 +95,10 @@ impl NearPairs {
         };
         self.shares = [before, now];
         if !is_done {
-            let cap = self.safe_part(thickness, from, to, obstacles)?;
+            let cap = self.safe_part(near, from, to, obstacles);
             shorten_all(from, to, parts, cap);
         }
-        Ok(is_cut)
+        is_cut
     }
 }
 
@@ -130,24 +136,23 @@ pub(super) fn shorten_all(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], pa
 
 /// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of that at the start, or of the
 /// thickness; 1 if that does not happen.
-fn time_of_pair(chosen: &ChosenPair, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
+fn time_of_pair(chosen: &ChosenPair, from: &[Vec3], to: &[Vec3]) -> Real {
     let near = &chosen.contact;
     let path = Query::of(near.pair, from, to);
     if chosen.stays_apart(&path, SLACK * near.law.range()) {
-        return Ok(1.0);
+        return 1.0;
     }
     let distance = Gap::new(path.kind, &path.from).distance;
     let keep = SLACK * distance.min(near.law.range());
     if approach(&path) < distance - keep {
-        return Ok(1.0);
+        return 1.0;
     }
     let places = path.from.iter().chain(&path.to);
     let size = places.map(Vec3::amax).fold(0.0, Real::max);
     if keep <= ROUNDING * size {
-        return Ok(0.0);
+        return 0.0;
     }
-    let hit = path.first_contact(&ContinuousTest::new(keep, EARLY)?)?;
-    Ok(hit.map_or(1.0, |hit| hit.time))
+    path.time_near(keep, EARLY).unwrap_or(1.0)
 }
 
 /// The most by which two pieces can have come nearer (m) on their path.

@@ -12,9 +12,8 @@ pub(super) struct FreeBody {
     /// The number of its obstacle.
     pub(super) number: usize,
     pub(super) body: RigidBody,
-    /// Momentum (N·s) and angular momentum (N·m·s), and what they were before the step.
+    /// Momentum (N·s) and angular momentum (N·m·s).
     pub(super) momenta: [Vec3; 2],
-    before: [Vec3; 2],
     /// That of the step (N·s, N·m·s) about its position at the end.
     impulse: [Vec3; 2],
     /// That of what stops it.
@@ -39,6 +38,9 @@ pub(super) struct FreeBody {
 #[derive(Debug, Default)]
 pub(super) struct FreeBodies {
     pub(super) list: Vec<FreeBody>,
+    /// Momenta before the step, as obstacles are kept.
+    pub(super) before: Vec<[Vec3; 2]>,
+    pub(super) before_step: Vec<[Vec3; 2]>,
     /// Size (s) of a step of a method that minimises.
     pub(super) dt: Real,
     /// Whether a start is led to where bodies go, so that impulses are none of theirs.
@@ -63,7 +65,6 @@ impl FreeBody {
             number,
             body,
             momenta: body.momenta(obstacle.motion()),
-            before: body.momenta(obstacle.motion()),
             impulse: [Vec3::zeros(); 2],
             stop: [Vec3::zeros(); 2],
             change: [Vec3::zeros(); 2],
@@ -85,13 +86,15 @@ impl FreeBody {
 impl FreeBodies {
     /// Notes the momenta before a step.
     pub(super) fn remember(&mut self) {
-        let list = self.list.iter_mut();
-        list.for_each(|free| free.before = free.momenta);
+        self.before.clear();
+        self.before
+            .extend(self.list.iter().map(|free| free.momenta));
     }
 
     pub(super) fn undo(&mut self) {
-        let list = self.list.iter_mut();
-        list.for_each(|free| free.momenta = free.before);
+        for (free, before) in self.list.iter_mut().zip(&self.before) {
+            free.momenta = *before;
+        }
     }
 }
 

@@ -7,7 +7,8 @@
 //! keeps the force that holds it, and does not creep, whatever the number of steps: under a tangential force F < μ λ it
 //! gives way by ε F/(μ λ) once. With u from 0 in every step, as where ε is a speed ε_v times Δt, it would give way by
 //! that in each, and creep with the speed ε_v F/(μ λ). ε is h/100: small beside the thickness, so that the give is not
-//! seen. The stiffness μ λ/ε is 100 μ (1 − d/h) times that of the quadratic law, at most 50 μ.
+//! seen. The stiffness μ λ/ε is at most 50 μ times A ψ″(d), that of the law itself: 100 μ (1 − d/h) times down to h/2,
+//! and 100 μ d/h times below. With pieces of different thickness h is the largest of theirs in ε = h/100.
 //!
 //! # Limits
 //!
@@ -108,8 +109,9 @@ impl Sticking {
 /// What the springs of sticking contacts were stretched by at the end of a step.
 #[derive(Debug, Default)]
 pub(super) struct Stretched {
-    /// In rising order of the contacts (m).
+    /// In rising order of the contacts (m); and those before the last step.
     displacements: Vec<(Key, Vec3)>,
+    before: Vec<(Key, Vec3)>,
 }
 
 impl Stretched {
@@ -123,12 +125,18 @@ impl Stretched {
 
     /// Replaces all by those at `x` (m); `reach` is ε (m).
     pub(super) fn replace(&mut self, all: &[Sticking], reach: Real, x: &[Vec3]) {
+        std::mem::swap(&mut self.displacements, &mut self.before);
         self.displacements.clear();
         self.displacements.extend(
             all.iter()
                 .map(|sticking| (sticking.key, hold(sticking.displacement(x), reach))),
         );
         self.displacements.sort_unstable_by_key(|entry| entry.0);
+    }
+
+    /// They are those before the last step again.
+    pub(super) fn take_back(&mut self) {
+        self.displacements.clone_from(&self.before);
     }
 }
 

@@ -1,14 +1,16 @@
-//! The last resort, for the motion that sweeps have found where it is not free. Up to 40 times pairs are pushed apart one
-//! by one. Then, up to 20 times, vertices that get into a body are moved out of it, and those of pairs that go through
-//! each other become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid
-//! body nothing can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid,
-//! vertices stay where they were: another one in each round, or the step is refused. Everything is tested again after
-//! each change, so a step is free or refused.
+//! The last resort, for the motion that sweeps have found where it is not free. Up to 40 times pairs are pushed apart
+//! one by one. Then, up to 20 times, vertices that get into a body are moved out of it, and those of pairs that go
+//! through each other become one rigid body (an impact zone), with their momentum and angular momentum, since inside a
+//! rigid body nothing can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be
+//! rigid, vertices stay where they were: in each round at least one more of the finitely many, or the step is refused,
+//! so the rounds end. Everything is tested again after each change, so a step is free or refused. A zone turns by at
+//! most 1 rad on the way; where its angular momentum says more, the velocities have it and the places do not.
 //!
 //! Sources: Provot 1997 (see the [crate](crate#references)) and Bridson et al. 2002 (see
 //! [`obstacle`](crate::obstacle#references)).
 
 use super::bodies::Substep;
+use super::near::Near;
 use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
@@ -205,7 +207,6 @@ impl LastResort {
     /// Finds what is not free on the path to `x` (m). Returns whether all is.
     fn look(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> Result<bool, ContactError> {
         let Substep { near, bodies, step } = substep;
-        let thickness = near.law.range();
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
             let new = || ClothCandidates::new(mesh, near.own.broad_phase.create());
@@ -216,18 +217,19 @@ impl LastResort {
                 *end = x - shift;
             }
             // Everything is finite, but a box around it need not be.
-            let found = candidates.update(step.from, &self.displacements, thickness);
-            found.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
+            candidates.search(step.from, &self.displacements, near.law.range())?;
             let all = candidates.pairs().filter(|pair| near.meets(pair.vertices));
             self.hits
-                .extend(all.filter_map(|pair| hit(pair, thickness, step, x)));
+                .extend(all.filter_map(|pair| hit(pair, near, step, x)));
         }
         self.entering.clear();
         for (vertex, (&from, &to)) in (0u32..).zip(step.from.iter().zip(x)) {
             if step.inverse_mass[vertex as usize] != 0.0 {
                 for (number, (body, _)) in bodies.iter().enumerate() {
-                    if !near.pinched.passes(vertex as usize, number)
-                        && let Some(out) = way_out(body, thickness, [from, to], step.dt)
+                    let v = vertex as usize;
+                    if !near.pinched.passes(v, number)
+                        && let Some(out) =
+                            way_out(body, near.law_at(v).range(), [from, to], step.dt)
                     {
                         self.entering.push(([vertex, number as u32], out));
                     }
@@ -265,10 +267,10 @@ fn way_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Optio
 
 /// When a pair comes nearer on its path to `x` (m) than the share of its distance, or of the thickness if that is less,
 /// that a step has to keep.
-fn hit(pair: Pair, thickness: Real, step: &ContactStep<'_>, x: &[Vec3]) -> Option<Hit> {
+fn hit(pair: Pair, near: &Near, step: &ContactStep<'_>, x: &[Vec3]) -> Option<Hit> {
     let path = Query::of(pair, step.from, x);
     let start = Gap::new(pair.kind, &path.from);
-    let distance = start.distance.min(thickness);
+    let distance = start.distance.min(near.thickness_between(pair.vertices));
     let kept = KEPT * distance;
     if path.is_shift(start.distance) || path.is_apart_along(&start.normal, kept) {
         return None;

@@ -32,17 +32,18 @@ impl LetGo {
         !is_same
     }
 
-    /// Whether a pair is let go whose first vertex is in one of its pieces, and whose last is in the other.
+    /// Whether a pair is let go whose first vertex is in one of its pieces, and whose last is in the other. The
+    /// vertices of bodies are in no region.
     pub(crate) fn has(&self, vertices: &[u32]) -> bool {
-        let (Some(first), Some(last)) = (vertices.first(), vertices.last()) else {
-            return false;
-        };
         if self.pairs.is_empty() {
             return false;
         }
-        let of = |v: u32| self.region.get(v as usize).copied().unwrap_or(0);
-        let (a, b) = (of(*first), of(*last));
+        let of = |v: &u32| self.region.get(*v as usize).copied();
+        let ends = [vertices.first(), vertices.last()].map(|v| v.and_then(of));
+        let [Some(a), Some(b)] = ends else {
+            return false;
+        };
         let known = self.pairs.binary_search(&[a.min(b), a.max(b)]).is_ok();
-        known && vertices.iter().all(|&v| of(v) == a || of(v) == b)
+        known && vertices.iter().all(|v| ends.contains(&of(v)))
     }
 }

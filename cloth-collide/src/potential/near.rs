@@ -6,7 +6,7 @@ use super::pinched::Pinched;
 use super::sewn::Sewn;
 use crate::broad_phase::{BroadPhaseKind, TrianglePairs};
 use crate::ccd::QueryKind;
-use crate::error::CollideError;
+use crate::error::NonFinite;
 use crate::incidence::{Incidence, joined};
 use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
@@ -47,7 +47,7 @@ pub(crate) struct Own {
     pub(super) broad_phase: BroadPhaseKind,
     pub(super) pinched_passes: bool,
     /// Whether edges push from the thickness on, as vertices do, and vertices with all of their area.
-    pub(super) keeps_all_apart: bool,
+    pub(super) full_thickness: bool,
 }
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
@@ -160,7 +160,7 @@ impl Near {
     }
 
     /// How many pairs of triangles meet at `x` (m) that should not.
-    pub(super) fn crossing(&mut self, x: &[Vec3]) -> Result<usize, CollideError> {
+    pub(super) fn crossing(&mut self, x: &[Vec3]) -> Result<usize, NonFinite> {
         self.find_triangles(x)?;
         let crosses = |pair: &[[u32; 3]; 2]| {
             let vertices = pair.as_flattened();
@@ -183,7 +183,7 @@ impl Near {
             && !self.pass(vertices)
     }
 
-    fn find_triangles(&mut self, x: &[Vec3]) -> Result<(), CollideError> {
+    fn find_triangles(&mut self, x: &[Vec3]) -> Result<(), NonFinite> {
         self.triangle_pairs
             .as_mut()
             .map_or(Ok(()), |pairs| pairs.find(x))
@@ -197,7 +197,7 @@ impl Near {
 
     /// The bodies that something passes through, but no triangle at `x` (m): they need not let it pass any more. What
     /// crosses the others beside it, where vertices have sunk in with it, passes from now on, too.
-    pub(super) fn unpinched(&mut self, x: &[Vec3]) -> Result<Vec<usize>, CollideError> {
+    pub(super) fn unpinched(&mut self, x: &[Vec3]) -> Result<Vec<usize>, NonFinite> {
         let mut bodies = self.pinched.bodies();
         if bodies.is_empty() {
             return Ok(bodies);
@@ -286,7 +286,8 @@ impl Near {
                 .is_some_and(|side| side.error_bound == 0.0)
     }
 
-    /// Coefficient of friction μ (dimensionless) of a pair.
+    /// Coefficient of friction μ (dimensionless) of a pair: of cloth, that of its vertex or, as for thicknesses, of one
+    /// of its vertices.
     pub(super) fn friction(&self, vertices: [u32; 4]) -> Real {
         let [a, .., d] = vertices;
         let side = [a, d].map(|v| self.side(v)).into_iter().flatten().next();
@@ -312,6 +313,16 @@ impl Near {
         own.copied().unwrap_or(self.law.range())
     }
 
+    /// The distance (m) at which two parts of the cloth, or one and a body, are kept apart: half the sum of their
+    /// thicknesses, or its own.
+    pub(super) fn thickness_between(&self, [a, .., d]: [u32; 4]) -> Real {
+        match (self.is_own(a), self.is_own(d)) {
+            (true, true) => 0.5 * (self.thickness(a) + self.thickness(d)),
+            (true, false) => self.thickness(a),
+            _ => self.thickness(d),
+        }
+    }
+
     /// The law of a vertex of the cloth before a body.
     pub(super) fn law_at(&self, vertex: usize) -> PenaltyLaw {
         self.law.with_range(self.thickness(vertex as u32))
@@ -326,7 +337,7 @@ impl Near {
         }
         let [area, corners @ ..] = vertices.map(|v| self.vertex_area[v as usize]);
         if self.is_own(vertices[0]) {
-            let is_between_sheets = self.is_own(vertices[1]) && !self.own.keeps_all_apart;
+            let is_between_sheets = self.is_own(vertices[1]) && !self.own.full_thickness;
             return if is_between_sheets { 0.5 } else { 1.0 } * area;
         }
         area.min(corners.iter().sum::<Real>() / 3.0)
@@ -341,15 +352,16 @@ impl Near {
     pub(super) fn range_of(&self, Pair { kind, vertices }: Pair) -> Real {
         let [a, .., d] = vertices;
         let part = match kind {
-            QueryKind::EdgeEdge if !self.own.keeps_all_apart => 0.5,
+            QueryKind::EdgeEdge if !self.own.full_thickness => 0.5,
             _ => 1.0,
         };
+        let between = self.thickness_between(vertices);
         let thickness = match (self.side(a), self.side(d)) {
-            (None, None) => 0.5 * part * (self.thickness(a) + self.thickness(d)),
+            (None, None) => part * between,
             // Vertices before a distance that is off are pushed by it; the triangles keep them out where it is wrong.
-            (None, Some(side)) if side.is_off() => return 0.5 * self.thickness(a),
-            (None, Some(_)) => return part * self.thickness(a),
-            _ => return 0.5 * self.thickness(d),
+            (None, Some(side)) if side.is_off() => return 0.5 * between,
+            (None, Some(_)) => return part * between,
+            _ => return 0.5 * between,
         };
         if self.piece[a as usize] != self.piece[d as usize] {
             return thickness;

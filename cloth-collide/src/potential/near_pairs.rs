@@ -151,8 +151,8 @@ impl NearPairs {
         self.wake([0.0, goes]);
     }
 
-    /// How far (m) a vertex of the first `count` is from where pairs were chosen, at most, besides what all do together;
-    /// or, if they are not all, as far as any of the others is at most, and with nothing taken off.
+    /// How far (m) a vertex of the first `count` is from where pairs were chosen, at most, besides what all do
+    /// together; or, if they are not all, as far as any of the others is at most, and with nothing taken off.
     fn moved(&mut self, x: &[Vec3], count: usize) -> Real {
         if count == x.len() {
             return longest([&self.place, x]);

@@ -13,6 +13,9 @@ use cloth_core::math::{Blocks, Real, Vec3, make_semidefinite};
 ///
 /// ∂E/∂x_k = A (m ψ′ c_k n + ψ ∂m/∂x_k).
 ///
+/// Where the two touch E is infinite, even where m is zero, and the derivatives, which there are none of, come out
+/// zero.
+///
 /// # The geometric term
 ///
 /// In the second derivative ([`Energy::hessian`]) A m ψ″ ∂d ∂dᵀ has no negative eigenvalue; A m ψ′ ∂²d has, since
@@ -74,8 +77,9 @@ impl Energy<4> for PairContact {
     fn value_and_gradient(&self, x: &[Vec3; 4]) -> (Real, [Vec3; 4]) {
         let gap = Gap::new(self.pair.kind, x);
         let barrier = self.law.energy(gap.distance);
-        if barrier == 0.0 {
-            return (0.0, [Vec3::zeros(); 4]);
+        // Nothing, or where they touch no direction; and 0 ∞ of parallel edges is no number.
+        if barrier == 0.0 || barrier == Real::INFINITY {
+            return (barrier, [Vec3::zeros(); 4]);
         }
         let (slope, of_gap) = (self.law.slope(gap.distance), gap.gradient());
         let Some(mollifier) = &self.mollifier else {
@@ -97,7 +101,7 @@ impl Energy<4> for PairContact {
         let mut blocks: Blocks<4> = std::array::from_fn(|k| {
             std::array::from_fn(|l| of_gap[k] * of_gap[l].transpose() * curvature)
         });
-        if convexity == Convexity::GaussNewton {
+        if convexity == Convexity::GaussNewton || gap.distance == 0.0 {
             return blocks;
         }
         let bent = gap.curvature(x);

@@ -4,6 +4,10 @@
 //! <https://doi.org/10.1145/882262.882357>, hold pinched vertices to the mean motion of both bodies instead.
 
 use super::near::Near;
+use super::source::Contacts;
+use super::surfaces::PotentialContacts;
+use cloth_core::contact::ContactError;
+use cloth_core::math::{Real, Vec3};
 
 /// Vertices of the cloth that pass through bodies.
 #[derive(Clone, Debug, Default)]
@@ -73,5 +77,49 @@ impl Near {
             .collect();
         let vertices = vertices.iter().chain(&around);
         self.pinched.extend(vertices.map(|&v| [v, body]))
+    }
+}
+
+impl PotentialContacts {
+    /// How many vertices of the cloth pass through a body because bodies left them no free way, each counted once for
+    /// each body; see the [chapter](super#pinched-cloth).
+    #[must_use]
+    pub fn pinched(&self) -> usize {
+        self.contacts.near.pinched.count()
+    }
+
+    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others; and all before a
+    /// body that have a vertex in a region of `passing`, of pairs of a region and a body, until nothing crosses that.
+    /// `region` numbers the regions of vertices from 1; 0 for none.
+    pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]], passing: &[[u32; 2]]) {
+        let near = &mut self.contacts.near;
+        let vertices = passing.iter().flat_map(|&[of, body]| {
+            let own = (0..).zip(region).filter(move |(_, r)| **r == of);
+            own.map(move |(vertex, _)| [vertex, body])
+        });
+        let more = near.pinched.extend(vertices);
+        self.contacts.is_anew |= near.let_go.replace(region, pairs) | more;
+    }
+
+    /// Where nothing crosses a body any more, with everything at `x` (m), and no vertex that passes through it is
+    /// inside, nothing passes through it any more. Returns how many vertices still do.
+    pub(crate) fn release(&mut self, x: &[Vec3]) -> Result<usize, ContactError> {
+        self.contacts.unpinch(x)?;
+        Ok(self.pinched())
+    }
+
+    /// Moves the vertices of a cloth at `x` (m) that pass through a body and are inside of it towards its surface, by
+    /// at most `most` (m), but for held ones.
+    pub(crate) fn lead_out(&self, x: &mut [Vec3], inverse_mass: &[Real], most: Real) {
+        let Contacts { near, bodies, .. } = &self.contacts;
+        for (number, (body, _)) in bodies.iter().enumerate() {
+            let passing = near.pinched.vertices(number);
+            for v in passing.filter(|&v| inverse_mass[v] > 0.0) {
+                let at = body.signed_distance(x[v], 0.0);
+                if at.value <= 0.0 {
+                    x[v] += at.normal * (near.law_at(v).range() - at.value).min(most);
+                }
+            }
+        }
     }
 }

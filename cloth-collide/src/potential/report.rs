@@ -12,16 +12,16 @@ pub struct ConstraintReport {
     pub searches: u32,
     /// Searches for pairs of primitives between two patches.
     pub detections: u32,
-    /// Pairs that were looked at, over all substeps.
-    pub looked: u32,
-    /// Rows, over all substeps, of cloth and of bodies.
-    pub rows: u32,
+    /// Pairs whose distance was asked for, over all substeps.
+    pub queries: u32,
+    /// Constraints, over all substeps, of cloth and of bodies.
+    pub constraints: u32,
     /// Pairs that had not kept their distance at the end of a substep.
     pub violated: u32,
     /// Vertices whose path was shortened.
     pub shortened: u32,
     /// Substeps that impact zones ended.
     pub zones: u32,
-    /// Substeps in which nothing could come near, so that nothing was looked at.
-    pub quiet: u32,
+    /// Substeps in which nothing could come near, so that nothing was asked for.
+    pub culled_substeps: u32,
 }

@@ -158,8 +158,8 @@ impl ContactConstraints for Contacts {
         self.rows.bodies.begin(&substep, predicted);
         let bodies = self.rows.bodies.len();
         let pushes = |row: &&Row| row.role == Role::Pushes;
-        self.rows.report.looked += self.rows.iter().count() as u32;
-        self.rows.report.rows += (self.rows.iter().filter(pushes).count() + bodies) as u32;
+        self.rows.report.queries += self.rows.iter().count() as u32;
+        self.rows.report.constraints += (self.rows.iter().filter(pushes).count() + bodies) as u32;
         Ok(())
     }
 
@@ -179,7 +179,7 @@ impl ContactConstraints for Contacts {
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
         if self.rows.quiet.is_on {
             if self.rows.quiet.holds(x) {
-                self.rows.report.quiet += 1;
+                self.rows.report.culled_substeps += 1;
                 self.ledger
                     .iter_mut()
                     .for_each(|ledger| ledger.pass(step.dt));

@@ -5,8 +5,8 @@ use crate::incidence::joined;
 /// Classes of sewn vertices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sewn {
-    /// A number for each vertex up to the last that is sewn, the same for those that are sewn together, directly or
-    /// through others.
+    /// A number for each vertex, the same for those that are sewn together, directly or through others; empty if none
+    /// are.
     class: Vec<u32>,
     /// Pairs of classes of which one has a vertex that is sewn onto an edge and the other an end of that; sorted.
     onto: Vec<[u32; 2]>,
@@ -14,12 +14,17 @@ pub(crate) struct Sewn {
 
 impl Sewn {
     /// Pairs of vertices that are sewn together, and vertices that are sewn onto an edge, each with the ends of that.
-    /// The ends are its neighbours, and through it nobody else's.
-    pub(crate) fn new(pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
-        let all = pairs.iter().flatten().chain(onto_edges.iter().flatten());
-        let count = all.max().map_or(0, |&last| last as usize + 1);
-        let class = joined(count, pairs);
-        let ends = onto_edges.iter().flat_map(|&[v, a, b]| [[v, a], [v, b]]);
+    /// The ends are its neighbours, and through it nobody else's. What has a vertex beyond `vertex_count` is left out.
+    pub(crate) fn new(pairs: &[[u32; 2]], onto_edges: &[[u32; 3]], vertex_count: usize) -> Self {
+        if pairs.is_empty() && onto_edges.is_empty() {
+            return Self::default();
+        }
+        let is_known = |v: &u32| (*v as usize) < vertex_count;
+        let mut pairs = pairs.to_vec();
+        pairs.retain(|pair| pair.iter().all(is_known));
+        let class = joined(vertex_count, &pairs);
+        let onto_edges = onto_edges.iter().filter(|all| all.iter().all(is_known));
+        let ends = onto_edges.flat_map(|&[v, a, b]| [[v, a], [v, b]]);
         let of = |v: u32| class[v as usize];
         let mut onto: Vec<[u32; 2]> = ends.map(|[v, end]| sorted(of(v), of(end))).collect();
         onto.sort_unstable();
@@ -31,11 +36,6 @@ impl Sewn {
         let classes = (0u32..).zip(&self.class);
         let pairs = classes.map(|(vertex, class)| [*class, vertex]);
         pairs.filter(|[class, vertex]| class != vertex).collect()
-    }
-
-    /// One more than the last vertex that is sewn to another.
-    pub(crate) fn count(&self) -> usize {
-        self.class.len()
     }
 
     /// Whether two different ones of these vertices are sewn together.

@@ -40,7 +40,7 @@ pub(super) struct Contacts {
     /// Where the last step has ended (m), free of crossings.
     pub(super) safe: Vec<Vec3>,
     pub(super) sticking: Vec<Sticking>,
-    stretched: Stretched,
+    pub(super) stretched: Stretched,
     /// Of moving bodies in the last step (J).
     pub(super) work: Real,
     pub(super) bodies: Vec<Body>,
@@ -52,8 +52,9 @@ pub(super) struct Contacts {
     pub(super) stops: Stops,
     /// The obstacles at the end of the step.
     pub(super) still: Vec<Obstacle>,
-    /// The obstacles before the step.
+    /// The obstacles before the step; and room for those before it while what it has done is kept free.
     pub(super) before: Vec<Obstacle>,
+    before_step: Vec<Obstacle>,
     /// Whether a step has begun and not ended.
     pub(super) is_open: bool,
     /// Whether a step that had not ended was taken back, or other pairs were let go, so that nothing is known of the
@@ -87,6 +88,7 @@ impl Contacts {
             stops: Stops::default(),
             still: Vec::new(),
             before: Vec::new(),
+            before_step: Vec::new(),
             is_open: false,
             is_anew: false,
             moved: Vec::new(),
@@ -105,6 +107,7 @@ impl Contacts {
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
         let ledger = self.ledger.take();
+        self.swap_before();
         let kept = self
             .begin_step(step)
             .and_then(|()| self.begin_substep(step, x))
@@ -115,6 +118,7 @@ impl Contacts {
         self.end_step(x);
         self.is_open = true;
         self.undo();
+        self.swap_before();
         (self.work, self.energy, self.held) = (work, energy, held + moved);
         Ok(())
     }
@@ -147,7 +151,7 @@ impl ContactPotential for Contacts {
         self.prepare(step.from, &wanted, false)?;
         self.stick(step);
         if is_still {
-            let cap = self.safe_part(step.from, &wanted)?;
+            let cap = self.safe_part(step.from, &wanted);
             for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
                 *x = if cap < 1.0 {
                     from + (to - from) * cap
@@ -181,7 +185,6 @@ impl ContactPotential for Contacts {
     ) -> Result<(), ContactError> {
         parts.fill(1.0);
         shorten_all(from, to, parts, self.share(from, to));
-        let thickness = self.near.law.range();
         for round in 0..MOST_ROUNDS {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
             // paths.
@@ -191,12 +194,12 @@ impl ContactPotential for Contacts {
                 return Ok(());
             }
             let path = (from, &mut *to);
-            if !self.pairs.shorten(thickness, path, parts, &self.still)? {
+            if !self.pairs.shorten(&self.near, path, parts, &self.still) {
                 return Ok(());
             }
         }
         self.prepare(from, to, true)?;
-        let cap = self.safe_part(from, to)?;
+        let cap = self.safe_part(from, to);
         shorten_all(from, to, parts, cap);
         Ok(())
     }
@@ -292,6 +295,17 @@ impl Contacts {
         self.before.clear();
         let bodies = self.bodies.iter().map(|(body, _)| body.clone());
         self.before.extend(bodies);
+    }
+
+    /// Puts aside what bodies were before the last step, or takes it up again.
+    fn swap_before(&mut self) {
+        std::mem::swap(&mut self.before, &mut self.before_step);
+        let FreeBodies {
+            before,
+            before_step,
+            ..
+        } = &mut self.free;
+        std::mem::swap(before, before_step);
     }
 
     /// Takes a step back that has begun and not ended, if there is one. Returns whether there was.
@@ -462,30 +476,31 @@ impl Contacts {
     /// Work (J) that bodies did on the cloth, which has come to `x` (m): the force on each vertex times the
     /// displacement of the body there.
     fn work_of_bodies(&self, x: &[Vec3]) -> Real {
-        let reach = self.reach();
-        let mut sum = 0.0;
-        let moving = |number: usize| !self.before[number].motion().is_still();
-        for contact in self
-            .obstacle_contacts(x)
-            .filter(|contact| moving(contact.number))
-        {
-            let (v, number) = (contact.vertex, contact.number);
-            let local = self.still[number].motion().pose.to_local(x[v]);
-            let displacement = x[v] - self.before[number].motion().pose.to_world(local);
-            let mut whole = -contact.value_and_gradient().1;
-            let key = Key::Obstacle([v as u32, number as u32]);
-            for sticking in self.sticking.iter().filter(|sticking| sticking.key == key) {
-                whole -= sticking.force(reach, x).0;
+        let mut work = 0.0;
+        let mut add = |[v, number]: [usize; 2], gradient: &dyn Fn() -> Vec3| {
+            let before = self.before[number].motion();
+            if !before.is_still() {
+                let local = self.still[number].motion().pose.to_local(x[v]);
+                work -= gradient().dot(&(x[v] - before.pose.to_world(local)));
             }
-            sum += whole.dot(&displacement);
+        };
+        for contact in self.obstacle_contacts(x) {
+            let gradient = || contact.value_and_gradient().1;
+            add([contact.vertex, contact.number], &gradient);
         }
-        sum
+        for sticking in &self.sticking {
+            if let Key::Obstacle(key) = sticking.key {
+                let gradient = || sticking.force(self.reach(), x).0;
+                add(key.map(|n| n as usize), &gradient);
+            }
+        }
+        work
     }
 
     /// The same as [`ContactPotential::limit`] for a path that is not too long to be looked at as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.prepare(from, to, true)?;
-        self.safe_part(from, to)
+        Ok(self.safe_part(from, to))
     }
 
     /// Chooses pairs for a path (m); see [`NearPairs::prepare`].
@@ -500,9 +515,8 @@ impl Contacts {
         Ok(())
     }
 
-    fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let thickness = self.near.law.range();
-        Ok(self.pairs.safe_part(thickness, from, to, &self.still)?)
+    fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Real {
+        self.pairs.safe_part(&self.near, from, to, &self.still)
     }
 
     /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the

@@ -1,5 +1,5 @@
-//! The contact of a cloth with itself, and with bodies whose surfaces are triangles: prescribed vertices behind those of
-//! the cloth, in the same machinery. Why they are needed says the [chapter](super#bodies).
+//! The contact of a cloth with itself, and with bodies whose surfaces are triangles: prescribed vertices behind those
+//! of the cloth, in the same machinery. Why they are needed says the [chapter](super#bodies).
 
 use super::bodies::Body;
 use super::builder::PotentialBuilder;
@@ -35,6 +35,55 @@ const NO_TIME: Real = 1e-12;
 /// [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude or that
 /// are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and are let
 /// go until they are apart; nor of cloth that crosses a body then, before that body.
+///
+/// # Example
+///
+/// A sheet falls on a ball: implicit Euler without elasticity, each vertex by its own stiffness.
+///
+/// ```
+/// use cloth_collide::obstacle::{Obstacle, Pose, RigidMotion, Sphere};
+/// use cloth_collide::potential::PotentialContacts;
+/// use cloth_core::contact::{ContactPotential, ContactStep};
+/// use cloth_core::math::Vec3;
+/// use cloth_core::mesh::generate::{Diagonals, grid};
+///
+/// let sheet = grid(5, 5, 0.1, 0.1, Diagonals::Alternating)?; // its middle is vertex 12
+/// let (mass, dt, h) = (1e-3, 0.01, 2e-3); // kg a vertex, s, m
+/// let below = RigidMotion::still(Pose::at(Vec3::new(0.05, 0.05, -0.11)));
+/// let ball = Obstacle::moving(Sphere::new(0.1)?, below)?;
+/// let mut contacts = PotentialContacts::builder(&sheet).thickness(h).obstacle(ball, 0.0).build()?;
+///
+/// let (mut x, mut v) = (sheet.positions().to_vec(), vec![Vec3::zeros(); 25]);
+/// let inertia = mass / (dt * dt);
+/// for _ in 0..20 {
+///     let from = x.clone();
+///     let step = ContactStep { from: &from, inverse_mass: &[1.0 / mass; 25], dt };
+///     let fly = |k: usize| from[k] + (v[k] - Vec3::z() * (9.81 * dt)) * dt;
+///     let free: Vec<Vec3> = (0..25).map(fly).collect();
+///     x.clone_from(&free);
+///     contacts.begin(&step, &mut x)?; // takes back what is not safe
+///     for _ in 0..50 {
+///         let mut gradient: Vec<Vec3> = (0..25).map(|k| (x[k] - free[k]) * inertia).collect();
+///         let (mut rows, mut stiffness) = (Vec::new(), [inertia; 25]);
+///         contacts.add_gradient(&x, &mut gradient);
+///         contacts.linearize(&x, &mut rows);
+///         for row in &rows {
+///             let own = |k: usize| row.stiffness * row.weights[k].abs();
+///             (0..4).for_each(|k| stiffness[row.vertices[k] as usize] += own(k));
+///         }
+///         let to: Vec<Vec3> = (0..25).map(|k| x[k] - gradient[k] / stiffness[k]).collect();
+///         let safe = contacts.limit(&x, &to)?;
+///         x.iter_mut().zip(&to).for_each(|(x, to)| *x += (to - *x) * safe);
+///     }
+///     v = (0..25).map(|k| (x[k] - from[k]) / dt).collect();
+///     contacts.end(&x, &v);
+/// }
+/// // The middle rests on the top: κ A (h − d) = m g, with a third of the area of the triangles around it.
+/// let around = sheet.triangles().iter().zip(sheet.areas()).filter(|(t, _)| t.contains(&12));
+/// let area = around.map(|(_, area)| area / 3.0).sum::<f64>();
+/// assert!((x[12].z + 0.01 - h + mass * 9.81 / (1e6 * area)).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
@@ -102,7 +151,9 @@ impl Surfaces {
         }
     }
 
-    /// Puts bodies at both ends (m) of a (sub)step of `dt` (s), which obstacles begin as `bodies` are.
+    /// Puts bodies at both ends (m) of a (sub)step of `dt` (s), which obstacles begin as `bodies` are. In between their
+    /// vertices go straight: with an angular velocity ω one at a distance r from the axis is up to r (1 − cos(ω dt/2))
+    /// inside of the arc on which its body goes.
     fn place(&mut self, bodies: &[Body], dt: Real) {
         let (mut from, mut to) = (&mut self.from[self.cloth..], &mut self.to[self.cloth..]);
         for Surface {
@@ -240,10 +291,12 @@ impl PotentialContacts {
         pushed.fold(0.0, Real::max)
     }
 
-    /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies as
-    /// they were there. The positions of the cloth are the caller's.
+    /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies and
+    /// friction as they were there. The positions of the cloth are the caller's.
     pub fn take_back(&mut self) {
-        self.contacts.is_open = !self.contacts.before.is_empty();
+        if !std::mem::replace(&mut self.contacts.is_open, true) {
+            self.contacts.stretched.take_back();
+        }
     }
 
     /// The forces of the last step, if they are recorded.
@@ -254,48 +307,10 @@ impl PotentialContacts {
     }
 
     /// From the next step on these vertices are sewn together, and no others; see
-    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
+    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). What has a vertex that there is not is left out.
     pub fn sew(&mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) {
-        self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges);
+        self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges, self.surfaces.cloth);
         self.contacts.is_anew = true;
-    }
-
-    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others; and all before a
-    /// body that have a vertex in a region of `passing`, of pairs of a region and a body, until nothing crosses that.
-    /// `region` numbers the regions of vertices from 1; 0 for none.
-    pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]], passing: &[[u32; 2]]) {
-        let near = &mut self.contacts.near;
-        let vertices = passing.iter().flat_map(|&[of, body]| {
-            let own = (0..).zip(region).filter(move |(_, r)| **r == of);
-            own.map(move |(vertex, _)| [vertex, body])
-        });
-        let more = near.pinched.extend(vertices);
-        self.contacts.is_anew |= near.let_go.replace(region, pairs) | more;
-    }
-
-    /// Where nothing crosses a body any more, with everything at `x` (m), and no vertex that passes through it is
-    /// inside, nothing passes through it any more. Returns how many vertices still do.
-    pub(crate) fn release(&mut self, x: &[Vec3]) -> Result<usize, ContactError> {
-        self.contacts.unpinch(x)?;
-        Ok(self.pinched())
-    }
-
-    /// Moves the vertices of a cloth at `x` (m) that pass through a body and are inside of it towards its surface, by
-    /// at most `most` (m), but for held ones.
-    pub(crate) fn lead_out(&self, x: &mut [Vec3], inverse_mass: &[Real], most: Real) {
-        let Contacts { near, bodies, .. } = &self.contacts;
-        for (number, (body, _)) in bodies.iter().enumerate() {
-            for v in near
-                .pinched
-                .vertices(number)
-                .filter(|&v| inverse_mass[v] > 0.0)
-            {
-                let at = body.signed_distance(x[v], 0.0);
-                if at.value <= 0.0 {
-                    x[v] += at.normal * (near.law_at(v).range() - at.value).min(most);
-                }
-            }
-        }
     }
 
     /// What the parts of the cloth, and of the surfaces of bodies behind it, stand for.
@@ -310,6 +325,7 @@ impl PotentialContacts {
 
     /// Writes where the vertices of bodies are when the next step begins (m).
     pub(crate) fn place_bodies(&mut self, out: &mut [Vec3]) {
+        self.close();
         self.surfaces.place(&self.contacts.bodies, 0.0);
         out.copy_from_slice(&self.surfaces.from[self.surfaces.cloth..]);
     }
@@ -339,11 +355,11 @@ impl PotentialContacts {
         false
     }
 
-    /// How many vertices of the cloth pass through a body because bodies left them no free way, each counted once for
-    /// each body; see the [chapter](super#pinched-cloth).
-    #[must_use]
-    pub fn pinched(&self) -> usize {
-        self.contacts.near.pinched.count()
+    /// Takes back a step that has not ended: the next one begins where that has begun.
+    fn close(&mut self) {
+        if self.contacts.take_back() {
+            self.surfaces.time = self.surfaces.begun;
+        }
     }
 
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
@@ -353,14 +369,12 @@ impl PotentialContacts {
         to: &[Vec3],
         [begins, begins_to_move]: [bool; 2],
     ) -> Result<(), ContactError> {
-        let surfaces = &mut self.surfaces;
-        step.check(surfaces.cloth, to, to)?;
-        // A step that has not ended is taken back.
-        if begins && self.contacts.take_back() {
-            surfaces.time = surfaces.begun;
-        } else if begins {
-            surfaces.begun = surfaces.time;
+        step.check(self.surfaces.cloth, to, to)?;
+        if begins {
+            self.close();
+            self.surfaces.begun = self.surfaces.time;
         }
+        let surfaces = &mut self.surfaces;
         if begins_to_move {
             self.contacts.set_out(step, to);
         }
@@ -385,13 +399,14 @@ impl ContactSource for PotentialContacts {
         inverse_mass: &[Real],
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
-        let surfaces = &mut self.surfaces;
         let step = ContactStep {
             from,
             inverse_mass,
             dt: NO_TIME,
         };
-        step.check(surfaces.cloth, x, x)?;
+        step.check(self.surfaces.cloth, x, x)?;
+        self.close();
+        let surfaces = &mut self.surfaces;
         surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);

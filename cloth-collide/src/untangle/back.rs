@@ -16,8 +16,8 @@ const AT_REST: Real = 1e-3;
 const LONG: Real = 1e3;
 
 /// Moves the `positions` (m) of an untangled cloth as near to its tangled `start` (m) as `contacts` let it come without
-/// passing through itself again. For layers that are a thickness apart these have to
-/// [keep all apart](crate::potential::PotentialBuilder::keep_all_apart): those of one piece no farther apart than at
+/// passing through itself again. For layers that are a thickness apart these have to push from the
+/// [full thickness](crate::potential::PotentialBuilder::full_thickness) on: those of one piece no farther apart than at
 /// rest, unless they touch there.
 ///
 /// Each substep wants all vertices back at the start, and projects that onto the contact constraints (the nearest place
@@ -29,7 +29,7 @@ const LONG: Real = 1e3;
 ///
 /// # Panics
 /// If there is not one start, one inverse mass and one position per vertex.
-pub fn bring_back(
+pub fn project_back(
     contacts: &mut PotentialContacts,
     inverse_mass: &[Real],
     start: &[Vec3],

@@ -3,7 +3,7 @@
 use super::World;
 use super::crossing::{Crossing, End};
 use crate::broad_phase::TrianglePairs;
-use crate::error::CollideError;
+use crate::error::NonFinite;
 use crate::incidence::ends;
 use crate::separation::meet_unduly;
 use cloth_core::math::{Real, Vec3};
@@ -29,11 +29,7 @@ impl Contour {
     }
 
     /// Finds all segments at `positions` (m).
-    pub(super) fn find(
-        &mut self,
-        positions: &[Vec3],
-        world: World<'_>,
-    ) -> Result<(), CollideError> {
+    pub(super) fn find(&mut self, positions: &[Vec3], world: World<'_>) -> Result<(), NonFinite> {
         self.pairs.find(positions)?;
         self.segments.clear();
         self.meeting.clear();

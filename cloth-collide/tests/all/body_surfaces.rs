@@ -5,6 +5,7 @@ use cloth_collide::obstacle::{
     AnimatedMesh, Cuboid, HalfSpace, Obstacle, Pose, RigidMotion, Sphere,
 };
 use cloth_collide::potential::PotentialContacts;
+use cloth_collide::untangle::StepUntangler;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, cuboid, grid, sphere};
@@ -367,4 +368,39 @@ fn cloth_pinched_by_bodies_without_triangles_is_refused_or_passes() {
     };
     assert_eq!(closed(false), (false, false));
     assert_eq!(closed(true), (true, true));
+}
+
+/// Regions are of the cloth: whatever may pass through each other there, bodies keep out all.
+#[test]
+fn regions_that_may_pass_through_each_other_pass_through_no_body() {
+    let corners = [(-0.25, -0.2), (0.25, -0.2), (0.0, 0.3)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    let cloth = TriMesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+    let crossing = |region: u32, pair: [u32; 2]| {
+        let mut contacts = PotentialContacts::builder(&cloth)
+            .thickness(THICKNESS)
+            .exclude(vec![region; 3], vec![pair])
+            .obstacle(Obstacle::new(Sphere::new(0.02).unwrap()), 0.0)
+            .surface(0, sphere(4, 0.02).unwrap())
+            .build()
+            .unwrap();
+        let step = ContactStep {
+            from: &corners,
+            inverse_mass: &[1.0; 3],
+            dt: DT,
+        };
+        let refused = contacts.constraints().begin_step(&step);
+        let Err(ContactError::IntersectingStart { pairs }) = refused else {
+            panic!("region {region}, {pair:?}: {refused:?}");
+        };
+        let mut untangler = StepUntangler::new(&contacts).unwrap();
+        let (mut x, mut v) = (corners, [Vec3::zeros(); 3]);
+        let found = untangler.begin_step(&mut contacts, &[1.0; 3], &mut x, &mut v);
+        assert_eq!(found.unwrap().bodies, pairs);
+        pairs
+    };
+    let all = crossing(1, [2, 3]);
+    assert!(all > 0);
+    for (region, pair) in [(0, [0, 0]), (0, [0, 1]), (1, [0, 1]), (1, [1, 1])] {
+        assert_eq!(crossing(region, pair), all);
+    }
 }

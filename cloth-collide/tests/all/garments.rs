@@ -4,7 +4,7 @@ use crate::tangled_garments as garments;
 
 use cloth_collide::SeparationProbe;
 use cloth_collide::potential::PotentialContacts;
-use cloth_collide::untangle::{UntangleOutcome, Untangler, bring_back};
+use cloth_collide::untangle::{UntangleOutcome, Untangler, project_back};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use robust::{Coord, Coord3D, orient2d, orient3d};
@@ -88,7 +88,7 @@ struct Undone {
 
 fn all_apart(mesh: &TriMesh) -> PotentialContacts {
     let contacts = PotentialContacts::builder(mesh).thickness(THICKNESS);
-    contacts.keep_all_apart().build().unwrap()
+    contacts.full_thickness().build().unwrap()
 }
 
 fn undone(mesh: &TriMesh) -> Undone {
@@ -100,7 +100,7 @@ fn undone(mesh: &TriMesh) -> Undone {
         .unwrap();
     assert_eq!(report.outcome, UntangleOutcome::Untangled, "{report:?}");
     assert_eq!(pierced(mesh, &x), 0);
-    bring_back(&mut all_apart(mesh), &w, mesh.positions(), &mut x).unwrap();
+    project_back(&mut all_apart(mesh), &w, mesh.positions(), &mut x).unwrap();
     assert_eq!(pierced(mesh, &x), 0);
     let measured = SeparationProbe::new(mesh).measure(&x).unwrap();
     let ways = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());
@@ -166,6 +166,6 @@ fn way_back_refuses_a_cloth_that_is_tangled() {
     let mesh = garments::rolled().unwrap();
     let w = vec![1.0; mesh.vertex_count()];
     let mut x = mesh.positions().to_vec();
-    let error = bring_back(&mut all_apart(&mesh), &w, mesh.positions(), &mut x).unwrap_err();
+    let error = project_back(&mut all_apart(&mesh), &w, mesh.positions(), &mut x).unwrap_err();
     assert!(error.to_string().contains("pass through each other"));
 }

@@ -30,6 +30,7 @@ mod sewn;
 mod shapes;
 #[path = "../support/solids.rs"]
 mod solids;
+mod taken_back;
 #[path = "../../../cloth-bench/src/mesh_spec/tangled.rs"]
 mod tangled_garments;
 mod untangle;

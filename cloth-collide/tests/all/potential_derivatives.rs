@@ -255,3 +255,27 @@ fn forces_and_moments_add_up_to_nothing() {
         }
     }
 }
+
+/// Where two pieces touch the energy is infinite, and what has no value is zero: parallel edges with m = 0 too.
+#[test]
+fn pieces_that_touch_have_an_infinite_energy_and_no_direction() {
+    let along = |y: f64| [v(0.0, y, 0.0), v(1.0, y, 0.0)];
+    let across = [v(0.5, -0.5, 0.0), v(0.5, 0.5, 0.0)];
+    let [[a, b], [c, d]] = [along(0.0), across];
+    for (contact, x) in [
+        (edge_edge([1.0; 2]), [a, b, a, b]),
+        (edge_edge([1.0; 2]), [a, b, c, d]),
+        (edge_edge([1e4; 2]), [a, b, c, d]),
+        (
+            vertex_triangle(),
+            [v(0.2, 0.2, 0.0), a, b, v(0.0, 1.0, 0.0)],
+        ),
+    ] {
+        let (value, gradient) = contact.value_and_gradient(&x);
+        assert_eq!((value, gradient), (f64::INFINITY, [Vec3::zeros(); 4]));
+        for convexity in [Convexity::Exact, Convexity::Clamp, Convexity::GaussNewton] {
+            let blocks = contact.hessian(&x, convexity);
+            assert!(blocks.iter().flatten().all(|block| *block == Mat3::zeros()));
+        }
+    }
+}

@@ -108,3 +108,26 @@ fn a_sewn_vertex_that_there_is_not_is_refused() {
         other => panic!("{other:?}"),
     }
 }
+
+/// However large its number: it is refused, or left out, before anything is made for it.
+#[test]
+fn sewn_vertices_far_beyond_the_last_one_are_refused_or_left_out() {
+    let (mesh, pairs) = beside(1e-4);
+    let x = mesh.positions();
+    let builder = || PotentialContacts::builder(&mesh).thickness(THICKNESS);
+    for (far, onto) in [
+        (vec![[0, u32::MAX]], vec![]),
+        (vec![], vec![[0, 1, 4_000_000_000]]),
+    ] {
+        assert!(builder().sew(&far, &onto).build().is_err());
+        let all = [&pairs[..], &far].concat();
+        let mut contacts = builder().build().unwrap();
+        contacts.sew(&all, &onto);
+        assert_eq!(pushed(&mut contacts, x), (0.0, 0.0));
+        let least = |pairs: &[[u32; 2]], onto: &[[u32; 3]]| {
+            let probe = SeparationProbe::new(&mesh).sew(pairs, onto).measure(x);
+            probe.unwrap().min_distance
+        };
+        assert_eq!(least(&all, &onto), least(&pairs, &[]));
+    }
+}

@@ -132,10 +132,7 @@ fn position_that_is_not_finite_is_refused_and_changes_nothing() {
         let mut positions = vec![Vec3::zeros(); mesh.vertex_count()];
         positions[7].y = bad;
         positions[9].z = bad;
-        assert_eq!(
-            pairs.find(&positions),
-            Err(CollideError::NonFinitePosition { vertex: 7 })
-        );
+        assert_eq!(pairs.find(&positions), Err(NonFinite { vertex: 7 }));
     }
     assert_eq!(pairs.pairs, before);
 }

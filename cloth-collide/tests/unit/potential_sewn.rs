@@ -2,7 +2,7 @@ use super::*;
 
 #[test]
 fn vertices_are_sewn_through_others_and_never_to_themselves() {
-    let sewn = Sewn::new(&[[7, 2], [2, 5], [0, 1]], &[]);
+    let sewn = Sewn::new(&[[7, 2], [2, 5], [0, 1]], &[], 10);
     for pair in [[5, 7], [7, 5], [2, 7], [1, 0]] {
         assert!(sewn.join(&pair), "{pair:?}");
     }
@@ -10,13 +10,13 @@ fn vertices_are_sewn_through_others_and_never_to_themselves() {
         assert!(!sewn.join(&pair), "{pair:?}");
     }
     assert!(sewn.join(&[3, 9, 2, 4, 5]));
-    assert!(!Sewn::new(&[], &[]).join(&[0, 1]));
+    assert!(!Sewn::new(&[], &[], 10).join(&[0, 1]));
 }
 
 #[test]
 fn a_vertex_on_an_edge_is_a_neighbour_of_its_ends_alone() {
     // 6 and 7 are on the edge from 1 to 2, and 2 is sewn to 9.
-    let sewn = Sewn::new(&[[2, 9]], &[[6, 1, 2], [7, 1, 2]]);
+    let sewn = Sewn::new(&[[2, 9]], &[[6, 1, 2], [7, 1, 2]], 10);
     for pair in [[6, 1], [2, 6], [7, 1], [7, 2], [9, 6], [7, 9], [2, 9]] {
         assert!(sewn.join(&pair), "{pair:?}");
     }

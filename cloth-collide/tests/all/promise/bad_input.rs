@@ -2,7 +2,7 @@
 
 use super::flight::{Flight, moved, together};
 use super::random::Random;
-use cloth_collide::obstacle::{HalfSpace, Obstacle};
+use cloth_collide::obstacle::{HalfSpace, Obstacle, RigidBody};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactStep, Projection};
 use cloth_core::error::OutOfRange;
@@ -44,6 +44,12 @@ fn settings_out_of_range_are_refused_by_name() {
         named(build(1e-3, bad), "friction of contact");
         let builder = PotentialContacts::builder(&mesh).obstacle(floor(), bad);
         named(builder.build().map(drop), "friction of a body");
+    }
+    let ball = RigidBody::sphere(100.0, 0.1, Vec3::zeros()).unwrap();
+    for twice in [0, 1] {
+        let builder = PotentialContacts::builder(&mesh).obstacle(floor(), 0.0);
+        let builder = builder.free(0, ball).free(twice, ball);
+        named(builder.build().map(drop), "number of a free obstacle");
     }
 }
 
