@@ -62,7 +62,10 @@ use std::fmt;
 /// How the cloth resists being stretched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Membrane {
-    /// The same spring stiffness k (N/m) on every edge. What modulus that makes depends on the pattern of the mesh.
+    /// The same spring stiffness k (N/m) on every edge. What modulus that makes depends on the pattern of the mesh, and
+    /// a little on its size: the rim, which stands for half a cell, has the whole k too. A sheet of n cells across the
+    /// pull is stiffer by about k/n, 3/(4n) of its modulus `4k/3` on the alternating grid. [`Membrane::Modulus`] has no
+    /// such part.
     SpringStiffness(Real),
     /// Membrane modulus Y (N/m): Young's modulus times thickness.
     ///
@@ -264,7 +267,8 @@ impl ClothModel {
     /// The elastic energy, of stitches at the time that they have been set to.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`] if an element was changed to name a vertex that does not exist.
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element was changed to name a vertex that
+    /// does not exist, or one twice.
     pub fn energies(&self) -> Result<Energies, BuildError> {
         Energies::new(self.particles.len()).with_elements(self.families())
     }

@@ -204,7 +204,8 @@ impl Energies {
     /// Adds all elements of a cloth, as [`ClothModel::families`](super::ClothModel::families) has them.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
+    /// or one twice.
     pub fn with_elements(self, families: Vec<Elements>) -> Result<Self, BuildError> {
         let mut families = families.into_iter();
         families.try_fold(self, |sum, family| family.as_energies(Summand(sum)))

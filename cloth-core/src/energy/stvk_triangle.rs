@@ -127,12 +127,7 @@ impl Constraint<3> for StvkTriangle {
         let half = self.shear_stiffness * shear * FRAC_1_SQRT_2;
         let off = self.shear_stiffness * slant / SQRT_2;
         let radius = half.hypot(off);
-        let chosen = |value: Real| match convexity {
-            Convexity::Clamp => value.max(0.0),
-            Convexity::Abs => value.abs(),
-            Convexity::Exact | Convexity::GaussNewton => value,
-        };
-        let [high, low] = [chosen(mean + radius), chosen(mean - radius)];
+        let [high, low] = [mean + radius, mean - radius].map(|value| convexity.applied_to(value));
         let (mean, turn) = (
             0.5 * (high + low),
             if radius > 0.0 {

@@ -248,7 +248,8 @@ impl Energies {
     /// Adds a family. An empty one is dropped.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
+    /// or one twice.
     pub fn with<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Result<Self, BuildError> {
         if E::IS_IN_ELEMENTS {
             self.with_elements(vec![E::into_elements(elements)])
@@ -399,11 +400,12 @@ impl Energies {
     /// The same for an approximation with fewer blocks, for preconditioners: pairs of vertices that only elements of
     /// more than three vertices couple, the wing tips of hinges, are *lumped*. Their block is added to the diagonal
     /// blocks of both vertices instead: `x₂ᵀB x₃` becomes `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`, which is the same for a translation
-    /// and no less for any other displacement if `B` is positive semi-definite. A vertex that has no other elements
-    /// keeps its pairs. Elements with [numerical eigenvalues](crate::element::Element::HAS_NUMERICAL_EIGENVALUES) are
-    /// taken by [`Convexity::GaussNewton`], whatever is asked for: the eigenvalues of dihedral hinges take five times
-    /// as long as the rest of an implicit step, which has as many iterations without (a sheet of 32 × 32 vertices, from
-    /// 10⁻⁷ to 10⁻³ N·m).
+    /// and no less for any other displacement if `B` is positive semi-definite. If it is not, its symmetric part is
+    /// raised by a multiple of the identity that makes it so where its rank is one or two. A vertex that has no other
+    /// elements keeps its pairs. Elements with [numerical
+    /// eigenvalues](crate::element::Element::HAS_NUMERICAL_EIGENVALUES) are taken by [`Convexity::GaussNewton`],
+    /// whatever is asked for: the eigenvalues of dihedral hinges take five times as long as the rest of an implicit
+    /// step, which has as many iterations without (a sheet of 32 × 32 vertices, from 10⁻⁷ to 10⁻³ N·m).
     #[must_use]
     pub fn lumped_assembly(&self) -> Assembly {
         let mut builder = PatternBuilder::new(self.vertex_count);
@@ -489,25 +491,27 @@ impl Energies {
     }
 }
 
-/// Whether every element names vertices that exist.
+/// Whether every element names vertices that exist, and none twice.
 ///
 /// # Errors
-/// [`BuildError::NoSuchVertex`] for the first that does not.
+/// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] for the first that does not.
 pub fn check_vertices<const N: usize, E: crate::element::Element<N>>(
     elements: &[E],
     vertex_count: usize,
 ) -> Result<(), BuildError> {
     for (element, stencil) in elements.iter().enumerate() {
-        if let Some(vertex) = stencil
-            .vertices()
-            .into_iter()
-            .find(|&v| v as usize >= vertex_count)
-        {
-            return Err(BuildError::NoSuchVertex {
-                element,
-                vertex,
-                vertex_count,
-            });
+        let vertices = stencil.vertices();
+        for (corner, &vertex) in vertices.iter().enumerate() {
+            if vertex as usize >= vertex_count {
+                return Err(BuildError::NoSuchVertex {
+                    element,
+                    vertex,
+                    vertex_count,
+                });
+            }
+            if vertices[..corner].contains(&vertex) {
+                return Err(BuildError::RepeatedVertex { element, vertex });
+            }
         }
     }
     Ok(())

@@ -155,7 +155,7 @@ impl StoppingCriteria {
 /// | conjugate gradients | at most `(√κ − 1)/(√κ + 1)`, and better | well-conditioned systems |
 /// | multigrid | hardly depends on κ and size | large and stiff systems |
 /// | Chebyshev–Jacobi | `(√κ − 1)/(√κ + 1)` | where inner products are dear |
-/// | Gauss–Seidel | about `((κ − 1)/(κ + 1))²` | smoothing, comparison |
+/// | Gauss–Seidel | `((κ − 1)/(κ + 1))²` if the matrix couples two colours only, as of a chain or a grid without diagonals | smoothing, comparison |
 /// | Jacobi | `(κ − 1)/(κ + 1)` | comparison |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
