@@ -190,15 +190,15 @@ impl ImplicitConfig {
     /// To 10⁻⁸ the step follows that by Cholesky to a micrometre in 20 steps (to 10⁻³: 6 mm), and shifts components
     /// that nothing holds to the momentum of the exact solution. Milliseconds of a step:
     ///
-    /// | vertices a side (Zen 4, one thread, least of the steps) | Cholesky | multigrid to 10⁻³ | 10⁻⁶ | 10⁻⁸ |
+    /// | vertices a side (AMD EPYC Zen 4, one thread, least of the steps) | Cholesky | multigrid to 10⁻³ | 10⁻⁶ | 10⁻⁸ |
     /// |---|---|---|---|---|
     /// | 64 | 20 | 4.5 | 7.1 | 8.3 |
     /// | 128 | 166 | 22 | 40 | 58 |
     /// | 256 | 1941 | 218 | 332 | 620 |
     ///
-    /// Conjugate gradients without multigrid (to 10⁻³) win against Cholesky where the matrix is well-conditioned. At
-    /// 128 vertices a side a step takes 266 ms against 165 ms at 10⁴ N/m and 1/60 s, but 106 against 176 at 10² N/m,
-    /// and 14 against 168 at 10⁴ N/m and 1 ms.
+    /// Conjugate gradients without multigrid (to 10⁻³) win against Cholesky where the matrix is well-conditioned.
+    /// There, at 128 vertices a side a step takes 266 ms against 165 ms at 10⁴ N/m and 1/60 s, but 106 against 176 at
+    /// 10² N/m, and 14 against 168 at 10⁴ N/m and 1 ms.
     #[must_use]
     pub fn linearized() -> Self {
         Self {

@@ -190,7 +190,7 @@ impl Elements {
         })
     }
 
-    /// The error of a method that these elements do not suit, which needs an energy that …
+    /// The error of a method that cannot take these elements; `needs` says what their energy would have to be.
     #[must_use]
     pub fn no_view(&self, needs: &'static str) -> BuildError {
         BuildError::NoSuchView {
@@ -212,30 +212,30 @@ impl Energies {
     }
 }
 
-/// What is done with elements of one kind, whichever it is, by a method that asks for energies.
+/// Receives one family of elements, whichever its kind is, for a method that asks for energies.
 pub trait EnergyVisitor {
-    /// What comes of it.
+    /// Result type.
     type Output;
 
-    /// Does it.
+    /// Receives one family.
     fn visit<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Self::Output;
 }
 
-/// The same by a method that asks for constraints.
+/// The same for a method that asks for constraints.
 pub trait ConstraintVisitor {
-    /// What comes of it.
+    /// Result type.
     type Output;
 
-    /// Does it.
+    /// Receives one family.
     fn visit<const N: usize, E: Constraint<N>>(self, elements: Vec<E>) -> Self::Output;
 }
 
-/// The same by a method that asks for squared distances to sets.
+/// The same for a method that asks for squared distances to sets.
 pub trait ProjectiveVisitor {
-    /// What comes of it.
+    /// Result type.
     type Output;
 
-    /// Does it.
+    /// Receives one family.
     fn visit<const N: usize, const K: usize, E: Projective<N, K>>(
         self,
         elements: Vec<E>,

@@ -290,22 +290,35 @@ impl Energies {
         }
     }
 
-    /// The part of `E(x)` (J) whose elements change with time. Its change while the vertices stay where they are is
-    /// work done on the cloth.
+    /// The part of `E(x)` (J, x in m) whose elements change with time. Its change while the vertices stay where they
+    /// are is work done on the cloth.
+    ///
+    /// # Panics
+    /// If `x` does not have one entry per vertex.
     #[must_use]
     pub fn timed_value(&self, x: &[Vec3]) -> Real {
+        self.check_length(x);
         let timed = self.families.iter().filter(|f| f.changes_with_time());
         timed.map(|family| family.value(x)).sum()
     }
 
-    /// `E(x)` (J).
+    /// `E(x)` (J), x in m.
+    ///
+    /// # Panics
+    /// If `x` does not have one entry per vertex.
     #[must_use]
     pub fn value(&self, x: &[Vec3]) -> Real {
+        self.check_length(x);
         self.families.iter().map(|family| family.value(x)).sum()
     }
 
-    /// Adds `∂E/∂x` (N) to `out`, and returns `E(x)` (J).
+    /// Adds `∂E/∂x` (N) at x (m) to `out`, and returns `E(x)` (J).
+    ///
+    /// # Panics
+    /// If a list does not have one entry per vertex.
     pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        self.check_length(x);
+        self.check_length(out);
         let mut total = 0.0;
         for family in &self.families {
             total += family.add_gradient(x, out);
@@ -313,7 +326,10 @@ impl Energies {
         total
     }
 
-    /// Adds `∂²E/∂x² p` (N, for a displacement `p` in m) to `out`, without a matrix.
+    /// Adds `∂²E/∂x² p` (N) at x (m), for displacements `p` (m), to `out`, without a matrix.
+    ///
+    /// # Panics
+    /// If a list does not have one entry per vertex.
     pub fn add_hessian_product(
         &self,
         x: &[Vec3],
@@ -321,9 +337,16 @@ impl Energies {
         convexity: Convexity,
         out: &mut [Vec3],
     ) {
+        for list in [x, p, &*out] {
+            self.check_length(list);
+        }
         for family in &self.families {
             family.add_hessian_product(x, p, convexity, out);
         }
+    }
+
+    fn check_length(&self, list: &[Vec3]) {
+        assert_eq!(list.len(), self.vertex_count, "one entry per vertex");
     }
 
     /// Visits the vertex of every element that has only one, and so ties it to a place.

@@ -1,7 +1,7 @@
 //! Extreme eigenvalues and condition numbers, out of the numbers that conjugate gradients make anyway.
 //!
-//! Conjugate gradients are Lanczos' process in other clothes: their step lengths α and turns β are the entries of a
-//! tridiagonal matrix T,
+//! Conjugate gradients and Lanczos' process build the same basis: from the step lengths α and turns β of the former
+//! follows the tridiagonal matrix T of the latter,
 //!
 //! ```text
 //! T_kk = 1/α_k + β_{k−1}/α_{k−1},    T_{k,k+1} = √β_k / α_k
