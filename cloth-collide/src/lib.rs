@@ -65,7 +65,7 @@
 //!    to end somewhere. Where sweeps do not make its path safe, pairs are pushed apart one by one, vertices that still
 //!    collide move as one rigid body (an impact zone), and in the end vertices stay where they are. That is possible
 //!    because the start was free of crossings, unless prescribed vertices or bodies move into them, and it is reported
-//!    (`held`). So a step is either free of crossings or refused. Two more things are done by such a substep: leading
+//!    (`truncated_count`). So a step is either free of crossings or refused. Two more things are done by such a substep: leading
 //!    the start of a minimisation around pins and bodies that move, and keeping what is moved after a step free.
 //!
 //! The naive loops are two examples, each compared with the potential of the crate: `examples/first_program.rs`, the

@@ -165,7 +165,7 @@ impl Membrane {
         if let Self::Modulus(modulus) = self {
             let stiffness = modulus / modulus_per_stiffness(mesh, edges);
             for (edge, spring) in springs.iter_mut().enumerate() {
-                spring.stiffness = share(edges, edge) * stiffness;
+                spring.stiffness = edge_weight(edges, edge) * stiffness;
             }
         }
         springs
@@ -184,14 +184,14 @@ impl Membrane {
 fn modulus_per_stiffness(mesh: &TriMesh, edges: &EdgeTable) -> Real {
     let x = mesh.positions();
     let square = |(edge, &[a, b]): (usize, &[u32; 2])| {
-        share(edges, edge) * (x[a as usize] - x[b as usize]).norm_squared()
+        edge_weight(edges, edge) * (x[a as usize] - x[b as usize]).norm_squared()
     };
     let squares: Real = edges.ends().iter().enumerate().map(square).sum();
     squares / (3.0 * mesh.area())
 }
 
 /// Half the number of triangles at an edge.
-fn share(edges: &EdgeTable, edge: usize) -> Real {
+fn edge_weight(edges: &EdgeTable, edge: usize) -> Real {
     if edges.is_boundary(edge) { 0.5 } else { 1.0 }
 }
 
@@ -333,8 +333,8 @@ pub enum ClothError {
     DetailOfPiece,
     /// Edges cannot be left out as asked for.
     DofFraction {
-        /// The share of all coordinates that was to be free.
-        share: Real,
+        /// The fraction of all coordinates that was to be free.
+        fraction: Real,
         /// The largest there can be.
         most: Real,
     },
@@ -379,9 +379,9 @@ impl fmt::Display for ClothError {
             Self::DetailOfPiece => f.write_str(
                 "a coarse level carries a whole mesh, not one piece of several",
             ),
-            Self::DofFraction { share, most } => write!(
+            Self::DofFraction { fraction, most } => write!(
                 f,
-                "a share of {share} of the coordinates is to be free, but it has to lie between 0 and {most}: every triangle keeps two edges"
+                "a fraction of {fraction} of the coordinates is to be free, but it has to lie between 0 and {most}: every triangle keeps two edges"
             ),
         }
     }

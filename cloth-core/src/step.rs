@@ -23,9 +23,10 @@ pub trait Stepper: Send {
     /// If `state` or `input.load` does not have the number of vertices that the solver was built for.
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError>;
 
-    /// Into how many equal parts those who run it cut a step, each a step of its own for air, contact and pins: 1,
-    /// unless the method wants smaller steps than a scene has, and feels contact as an energy, which has no substeps.
-    fn parts(&self) -> u32 {
+    /// Into how many equal substeps whoever runs the method is to cut a step, each a step of its own for air, contact
+    /// and pins: 1, unless the method wants smaller steps than a scene has, and feels contact as an energy, which has
+    /// no substeps.
+    fn preferred_substeps(&self) -> u32 {
         1
     }
 

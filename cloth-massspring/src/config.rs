@@ -120,6 +120,13 @@ pub enum Solve {
 
 /// Which second derivative of the elastic energy Newton's method uses. Nothing but this is changed to make the matrix
 /// positive definite: no multiple of M is added to `M/s² + H`.
+///
+/// Quadratic and linear convergence in one step of the hanging sheet of 12 × 12 vertices: `‖∇G‖/‖∇G(x̃)‖` after each
+/// iteration (`dropping_the_indefinite_part_costs_the_quadratic_convergence` in `tests/chapter/newton.rs` prints it).
+///
+/// | `ExactFirst` | 5·10⁻³ | 5·10⁻³ | 2·10⁻⁵ | 2·10⁻⁷ | 2·10⁻¹² |
+/// |---|---|---|---|---|---|
+/// | `Always(Clamp)` | 5·10⁻³ | 5·10⁻³ | 5·10⁻⁵ | 1·10⁻⁵ | 5·10⁻⁶, and half of it in each of 20 more |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum HessianPolicy {

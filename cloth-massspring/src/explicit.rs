@@ -282,7 +282,7 @@ impl Explicit {
             return Err(Failure::NonFinite { vertex });
         }
         if feels_contact {
-            self.touch(input, dt)?;
+            self.resolve_contact(input, dt)?;
         }
         if let Some(monitor) = &mut self.monitor {
             // Before the end of the step nobody knows what moving bodies have done.
@@ -293,7 +293,7 @@ impl Explicit {
 
     /// Contact in a substep of `dt` (s), whose free end has been found: as constraints on the positions, and what they
     /// change as velocity.
-    fn touch(&mut self, input: &mut StepInput<'_>, dt: Real) -> Result<(), Failure> {
+    fn resolve_contact(&mut self, input: &mut StepInput<'_>, dt: Real) -> Result<(), Failure> {
         let Some(contacts) = input.contact_constraints() else {
             return Ok(());
         };

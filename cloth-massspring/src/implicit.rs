@@ -48,7 +48,7 @@ pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;
 
 use crate::config::{ImplicitConfig, Solve, StartGuess};
-use at_end::{AtEnd, Room};
+use at_end::{AtEnd, EndContactMemory};
 use cloth_core::contact::{ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
@@ -244,7 +244,7 @@ struct Implicit {
     damper: Option<Damper>,
     minimizer: Minimizer,
     /// For contact at the end of a step that is solved for its middle.
-    room: Room,
+    end_contact: EndContactMemory,
 }
 
 impl Implicit {
@@ -288,7 +288,7 @@ impl Implicit {
         if is_middle && contact.is_some() {
             let (w, s) = (self.particles.inverse_mass(), span.tau * drag.sqrt());
             let goal = &mut self.predicted;
-            self.room.go_on(from_elsewhere, w, s, goal);
+            self.end_contact.go_on(from_elsewhere, w, s, goal);
         }
         let mut at_end;
         let mut contact = match (contact, span.place) {
@@ -296,7 +296,7 @@ impl Implicit {
                 at_end = AtEnd {
                     contact,
                     start: &state.positions,
-                    room: &mut self.room,
+                    memory: &mut self.end_contact,
                 };
                 Some(&mut at_end as &mut dyn ContactPotential)
             }
@@ -350,7 +350,7 @@ impl Implicit {
             let (x, v) = (&mut self.predicted, &mut self.base);
             if is_middle {
                 let w = self.particles.inverse_mass();
-                self.room.take_half(contact, x, w, input.dt, v);
+                self.end_contact.take_half(contact, x, w, input.dt, v);
             }
             contact.end(x, v);
         }

@@ -515,7 +515,7 @@
 //! | 25 | 32 | 17 | 76 (it blows up: 423 % of stretch) | 139 | 291 | 418 |
 //!
 //! Of the 25 ms 28 % are evaluations of G and its gradient, 26 % the multigrid cycle, 10 % the assembly of the Hessian,
-//! 9 % its way into the levels, and the rest L-BFGS and other work on vectors.
+//! 9 % its restriction to the levels, and the rest L-BFGS and other work on vectors.
 //!
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;

@@ -220,7 +220,7 @@
 //!
 //! To drag, call [`PdSolver::prescribe`]: changing your `Particles` does nothing, the solver has a copy. Before every
 //! step set the velocity of the vertex to `(goal − x)/Δt`: a prescribed vertex goes on with the one that it has.
-//! [`Pins::steer`](cloth_core::Pins::steer) does so for paths. Softly: [`attach`](PdSolver::attach) once, then
+//! [`Pins::set_velocities`](cloth_core::Pins::set_velocities) does so for paths. Softly: [`attach`](PdSolver::attach) once, then
 //! [`move_attachment`](PdSolver::move_attachment). A load f holds an attached vertex f/k away from its target: with k a
 //! hundred times the stiffness of its springs, by a hundredth of what they are stretched.
 //!

@@ -1,7 +1,7 @@
 //! From a description to a solver.
 
 use super::Implicit;
-use super::at_end::Room;
+use super::at_end::EndContactMemory;
 use super::damper::Damper;
 use super::minimizer::Minimizer;
 use crate::config::ImplicitConfig;
@@ -151,7 +151,7 @@ impl<S> ImplicitBuilder<S> {
             predicted: zeros.clone(),
             before: (zeros, 0.0),
             damper,
-            room: Room::default(),
+            end_contact: EndContactMemory::default(),
             particles: self.particles,
             energies,
             config: self.config,

@@ -57,8 +57,8 @@ impl RankOne {
         for number in 0..fine.normals.len() {
             gathered.clear();
             for &(vertex, weight) in fine.members(number) {
-                for &(parent, share) in prolongation.of_fine(vertex as usize) {
-                    gathered.push((parent, weight * share));
+                for &(parent, fraction) in prolongation.of_fine(vertex as usize) {
+                    gathered.push((parent, weight * fraction));
                 }
             }
             gathered.sort_unstable_by_key(|member| member.0);
@@ -163,14 +163,14 @@ impl RankOne {
         }
     }
 
-    /// Takes notice that a vertex has moved by `times · way` (m).
+    /// Takes notice that a vertex has moved by `times · displacement` (m).
     #[inline(always)]
-    pub(super) fn moved(&mut self, vertex: usize, way: &Lanes, times: f32) {
+    pub(super) fn moved(&mut self, vertex: usize, displacement: &Lanes, times: f32) {
         let places = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;
-        let way = way.to_array();
+        let displacement = displacement.to_array();
         for (number, jacobian) in &self.entries[places] {
             let j = jacobian.to_array();
-            let along = j[0] * way[0] + j[1] * way[1] + j[2] * way[2];
+            let along = j[0] * displacement[0] + j[1] * displacement[1] + j[2] * displacement[2];
             self.sums[*number as usize] += times * along;
         }
     }
