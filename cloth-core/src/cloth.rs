@@ -40,8 +40,8 @@
 //! - D: a strip is pushed over the edge of a table until the line from the edge to its end falls by 41.5°. Half of the
 //!   length that hangs over is the bending length c (m), and `D = ρ g c³` (Peirce 1930), g gravity (m/s²).
 //!
-//! Strips are cut along the warp and along the weft. A [`Cloth`] is isotropic and takes the mean of both; what shear
-//! and bias have of their own it does not know. Orders of magnitude:
+//! Strips are cut along the warp and along the weft. A [`Cloth`] is isotropic and takes the mean of both; that
+//! woven cloth shears far more easily than an isotropic sheet it does not know. Orders of magnitude:
 //!
 //! | fabric | ρ (kg/m²) | Y (N/m) | D (N·m) |
 //! |---|---|---|---|
