@@ -161,7 +161,7 @@ pub enum Accept {
 pub enum StartGuess {
     /// `x[0]`, the positions before the step.
     Previous,
-    /// `x[0] + Δt v[0]`.
+    /// `x[0] + Δt v[0]`: uniform motion, without gravity and load.
     Inertial,
     /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`, for BDF2 with `x_b`, `v_b` and τ in the place of `x[0]`, `v[0]` and Δt:
     /// half of what the last step changed once more, which turns the velocity along with the cloth. The same as
@@ -169,7 +169,7 @@ pub enum StartGuess {
     /// velocities may ring.
     #[default]
     Extrapolated,
-    /// `x̃ = x[0] + Δt v[0] + Δt² a`, with gravity and load.
+    /// `x̃ = x[0] + Δt v[0] + Δt² a`, the inertial prediction, with gravity and load.
     Predicted,
 }
 
