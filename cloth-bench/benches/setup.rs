@@ -135,7 +135,7 @@ fn ranks(criterion: &mut Criterion) {
         let (mesh, bytes) = sheet(side);
         let edges = EdgeTable::build(&mesh).expect("edges");
         let flat = mesh.positions().to_vec();
-        let bent: Vec<Vec3> = cloth_core::dof::bent(&flat);
+        let bent: Vec<Vec3> = cloth_core::dof::perturbed(&flat);
         let mut group = criterion.benchmark_group(format!("rank of the edges, {side} a side"));
         group.sample_size(10);
         for (name, x) in [("flat", &flat), ("bent", &bent)] {

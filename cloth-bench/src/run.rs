@@ -54,7 +54,7 @@ pub struct Summary {
     pub ms_per_step_median: Real,
     /// Median time of contact in it (ms); 0 where there is nothing to touch.
     pub contact_ms_median: Real,
-    /// Parts of steps that ended with vertices held back, see [`ContactSource::held`].
+    /// Parts of steps that ended with vertices held back, see [`ContactSource::truncated_count`].
     pub held_steps: u32,
     /// Those after which cloth that bodies had pinched was passing through one of them.
     pub pinched_steps: u32,
@@ -299,7 +299,7 @@ impl<'a> Course<'a> {
         let is_tangled = self.untangling.begin_part(&self.scene, contacts, state)?;
         self.seconds = started.elapsed().as_secs_f64();
         if let Some(pins) = &self.scene.pins {
-            pins.steer(state, dt);
+            pins.set_velocities(state, dt);
         }
         if let Some(balance) = &mut balance {
             balance.begin_step(state);

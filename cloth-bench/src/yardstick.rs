@@ -191,7 +191,7 @@ impl StepProblem {
         mut observer: Option<&mut Recorder<'_>>,
     ) -> Result<(State, StepReport), BenchError> {
         let mut state = self.state.clone();
-        let parts = stepper.parts();
+        let parts = stepper.preferred_substeps();
         let mut report: Option<StepReport> = None;
         for _ in 0..parts {
             let mut input = StepInput::new(self.dt / Real::from(parts)).gravity(self.gravity);

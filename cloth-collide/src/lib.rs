@@ -45,7 +45,7 @@
 //! h/2, and no number is tuned for one of them. Since a potential cannot tell the sides of a sheet apart, a *filter*
 //! tests every displacement over the whole of its path. An iteration that minimises and finds no safe path stays where
 //! it is; a substep that projects has to end somewhere, and its *last resort* is vertices that stay where the step
-//! began, which is reported (`held`). So a step is either free of crossings or refused.
+//! began, which is reported (`truncated_count`). So a step is either free of crossings or refused.
 //!
 //! The naive loops are two examples, each compared with the potential of the crate: `examples/first_program.rs`, the
 //! vertices before a floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets. How the loops of the crate

@@ -1,4 +1,5 @@
-//! Finite-difference checks that any element can be put through, ours or a user's.
+//! Finite-difference checks that any element can be put through, ours or a user's: at positions x (m), with results
+//! that are dimensionless unless they say otherwise.
 //!
 //! The central difference `(E(x + h) − E(x − h))/(2h)` is off by `h² E‴/6`, its truncation, and by about `ε E/h`, the
 //! rounding of E, with ε = 2·10⁻¹⁶. Where E changes over a length `scale`, both are about as large for `h = ε^⅓ scale`,
@@ -14,9 +15,9 @@ use crate::element::{Convexity, Energy, Projective};
 use crate::math::{Blocks, Real, Vec3};
 
 /// Largest error of the gradient against central differences of the value, relative to the largest entry of the
-/// gradient.
+/// gradient (dimensionless).
 ///
-/// `scale` (m) is a typical length of the element; the difference is taken over `ε^⅓` of it.
+/// `x` in m; `scale` (m) is a typical length of the element, and the difference is taken over `ε^⅓` of it.
 #[must_use]
 pub fn gradient_error<const N: usize, E: Energy<N>>(
     element: &E,
@@ -42,7 +43,8 @@ pub fn gradient_error<const N: usize, E: Energy<N>>(
     relative(error, size)
 }
 
-/// Largest error of the exact Hessian against central differences of the gradient, relative to its largest entry.
+/// Largest error of the exact Hessian against central differences of the gradient, relative to its largest entry
+/// (dimensionless). `x` and `scale` in m, as in [`gradient_error`].
 #[must_use]
 pub fn hessian_error<const N: usize, E: Energy<N>>(
     element: &E,
@@ -72,7 +74,7 @@ pub fn hessian_error<const N: usize, E: Energy<N>>(
     relative(error, size)
 }
 
-/// Smallest eigenvalue (N/m) of the Hessian under a choice of convexity.
+/// Smallest eigenvalue (N/m) of the Hessian at `x` (m) under a choice of convexity.
 #[must_use]
 pub fn smallest_eigenvalue<const N: usize, E: Energy<N>>(
     element: &E,
@@ -84,8 +86,8 @@ pub fn smallest_eigenvalue<const N: usize, E: Energy<N>>(
         .min()
 }
 
-/// Largest difference between the gradient as an energy and the gradient `w Sᵀ(S x − p)` as a projection, relative to
-/// the former.
+/// Largest difference between the gradient at `x` (m) as an energy and the gradient `w Sᵀ(S x − p)` as a projection,
+/// relative to the largest entry of the former (dimensionless).
 #[must_use]
 pub fn projection_error<const N: usize, const K: usize, E: Energy<N> + Projective<N, K>>(
     element: &E,

@@ -103,9 +103,9 @@ pub trait ContactSource {
         true
     }
 
-    /// Number of vertices that the last step has held back: they are safe, but behind where contact should let them go,
-    /// and have lost momentum for it. 0 for a source that does not do that.
-    fn held(&self) -> usize {
+    /// Number of vertices whose displacement the last step has truncated: they are safe, but behind where contact
+    /// should let them go, and have lost momentum for it. 0 for a source that does not do that.
+    fn truncated_count(&self) -> usize {
         0
     }
 }

@@ -8,7 +8,7 @@
 //! - the nullity `3V − r` is the number of motions that change no length to first order, the 6 rigid ones among them,
 //! - `E − r` is the number of self-stresses: tensions that balance at every vertex. A flat sheet has one for every
 //!   inner vertex, because no edge resists a motion out of the plane there. A bend of the whole sheet in all directions
-//!   ([`bent`]) removes them; a part that stays flat keeps its own.
+//!   ([`perturbed`]) removes them; a part that stays flat keeps its own.
 //!
 //! # What to use when
 //!
@@ -221,7 +221,7 @@ fn smallest_nonzero_singular_value(
 /// sheet. Every position moves by at most a quarter of the size of the shape, along a wave that no symmetry of a mesh
 /// shares. A shape without size stays as it is.
 #[must_use]
-pub fn bent(positions: &[Vec3]) -> Vec<Vec3> {
+pub fn perturbed(positions: &[Vec3]) -> Vec<Vec3> {
     let low = positions
         .iter()
         .copied()

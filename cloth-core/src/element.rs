@@ -22,6 +22,41 @@
 //! 4. Put it through every function of [`crate::check`], at random shapes, away from rest.
 //! 5. Hand a `Vec` of it to [`Energies::with`](crate::method::family::Energies::with), or to `energy` of the builder of
 //!    a solver.
+//!
+//! ```
+//! use cloth_core::Vec3;
+//! use cloth_core::check::{gradient_error, hessian_error};
+//! use cloth_core::element::{Constraint, Element, Row};
+//! use cloth_core::method::family::Energies;
+//!
+//! /// Pulls a vertex to a plane through the origin: `C = n·x` (m).
+//! #[derive(Clone, Copy, Debug)]
+//! struct NearPlane { vertex: u32, normal: Vec3, stiffness: f64 }    // k in N/m
+//!
+//! impl Element<1> for NearPlane {
+//!     fn vertices(&self) -> [u32; 1] {
+//!         [self.vertex]
+//!     }
+//! }
+//!
+//! impl Constraint<1> for NearPlane {
+//!     type Rows = [Row<1>; 1];
+//!     const ROWS_ARE_LINEAR: bool = true;
+//!
+//!     fn rows(&self, [x]: &[Vec3; 1]) -> [Row<1>; 1] {
+//!         [Row { value: self.normal.dot(x), gradient: [self.normal], stiffness: self.stiffness }]
+//!     }
+//! }
+//!
+//! let plane = NearPlane { vertex: 0, normal: Vec3::y(), stiffness: 50.0 };
+//! let x = [Vec3::new(0.3, -0.2, 1.0)];
+//! assert!(gradient_error(&plane, &x, 1.0) < 1e-9 && hessian_error(&plane, &x, 1.0) < 1e-9);
+//! let energies = Energies::new(1).with(vec![plane])?;
+//! assert!((energies.value(&x) - 0.5 * 50.0 * 0.2 * 0.2).abs() < 1e-12);    // J
+//! # Ok::<(), cloth_core::BuildError>(())
+//! ```
+//!
+//! An element of three vertices that is no constraint is an example of `ImplicitBuilder::energy` in `cloth-massspring`.
 
 mod differences;
 mod sweep_forms;
@@ -37,7 +72,7 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
     /// Whether its rest data change with time, so that [`Element::set_time`] has to be called.
     const CHANGES_WITH_TIME: bool = false;
 
-    /// The vertices it touches, in the order that its formulas use. No vertex stands twice.
+    /// The vertices it touches, in the order that its formulas use. None twice: a builder refuses that.
     fn vertices(&self) -> [u32; N];
 
     /// Takes on the rest data of a time (s), that of [`State::time`](crate::particles::State::time). A method calls it
@@ -132,14 +167,15 @@ pub enum Convexity {
 }
 
 impl Convexity {
-    /// What becomes of one eigenvalue, in its unit.
+    /// What becomes of one eigenvalue of the curvature `Σ k C ∂²C`, in its unit.
     #[inline]
     #[must_use]
     pub fn applied_to(self, eigenvalue: Real) -> Real {
         match self {
             Self::Clamp => eigenvalue.max(0.0),
             Self::Abs => eigenvalue.abs(),
-            Self::Exact | Self::GaussNewton => eigenvalue,
+            Self::Exact => eigenvalue,
+            Self::GaussNewton => 0.0,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Yardsticks that belong to no method: energies, momenta, strain, and the function that implicit Euler minimises.
+//! Measures that belong to no method: energies, momenta, strain, and the function that implicit Euler minimises.
 
 use crate::energy::Spring;
 use crate::math::{Real, Vec3, gather};

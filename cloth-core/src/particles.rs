@@ -179,6 +179,13 @@ impl Particles {
 
 /// What moves: positions (m) and velocities (m/s), both of length `V`, the time (s) and the number of
 /// steps taken.
+///
+/// The positions need not be those of the mesh: the mesh is the rest shape, and cloth may start from any pose, as long
+/// as it does not pass through itself where contact counts.
+///
+/// To save a run, keep these four; to resume it, build the solver anew from the same particles and elements and go on
+/// from them. What a solver keeps beside the state is where its iteration starts; two keep more: BDF2 of
+/// `cloth-massspring`, which starts again with one step of implicit Euler, and friction, which forgets what sticks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Positions (m), one per vertex.

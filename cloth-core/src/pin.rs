@@ -46,8 +46,9 @@ impl Motion {
 
 /// Prescribed vertices and the paths they follow.
 ///
-/// A prescribed vertex travels with its own velocity. Before each step [`Pins::steer`] sets the velocity that takes it
-/// to where its path is at the end of the step, so that every method sees the same motion without knowing of paths.
+/// A prescribed vertex travels with its own velocity. Before each step [`Pins::set_velocities`] sets the velocity that
+/// takes it to where its path is at the end of the step, so that every method sees the same motion without knowing of
+/// paths.
 #[derive(Clone, Default)]
 pub struct Pins {
     paths: Vec<(usize, Path)>,
@@ -77,7 +78,7 @@ impl Pins {
     ///
     /// # Errors
     /// [`ParticleError::NoSuchVertex`].
-    pub fn follow(
+    pub fn add_path(
         &mut self,
         particles: &mut Particles,
         vertex: usize,
@@ -106,7 +107,7 @@ impl Pins {
     ///
     /// # Panics
     /// If `dt` is not a positive number, or `state` has fewer vertices than the particles the pins were made for.
-    pub fn steer(&self, state: &mut State, dt: Real) {
+    pub fn set_velocities(&self, state: &mut State, dt: Real) {
         assert!(dt > 0.0, "the step is {dt} s, but it has to be positive");
         for (vertex, path) in &self.paths {
             let goal = path(state.time + dt);

@@ -23,9 +23,10 @@ pub trait Stepper: Send {
     /// If `state` or `input.load` does not have the number of vertices that the solver was built for.
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError>;
 
-    /// Into how many equal parts those who run it cut a step, each a step of its own for air, contact and pins: 1, unless
-    /// the method wants smaller steps than a scene has, and feels contact as an energy, which has no substeps.
-    fn parts(&self) -> u32 {
+    /// Into how many equal substeps whoever runs the method is to cut a step, each a step of its own for air, contact
+    /// and pins: 1, unless the method wants smaller steps than a scene has, and feels contact as an energy, which has
+    /// no substeps.
+    fn preferred_substeps(&self) -> u32 {
         1
     }
 
@@ -352,7 +353,7 @@ pub enum StepError {
     LineSearchStalled {
         /// The iteration, counted from 1.
         iteration: u32,
-        /// Gradient norm there, relative to that of the inertial forces, as in the report.
+        /// Gradient norm there (dimensionless), relative to that of the inertial forces.
         residual: Real,
         /// The step, counted from 1.
         step: u64,
@@ -434,6 +435,13 @@ pub enum BuildError {
         /// How many vertices there are.
         vertex_count: usize,
     },
+    /// An element names a vertex twice.
+    RepeatedVertex {
+        /// The element, counted in the order given.
+        element: usize,
+        /// The vertex.
+        vertex: u32,
+    },
     /// A method needs a view of the elements that they do not have.
     NoSuchView {
         /// What the elements are.
@@ -465,6 +473,9 @@ impl fmt::Display for BuildError {
                 f,
                 "element {element} names vertex {vertex}, but there are only {vertex_count} vertices"
             ),
+            Self::RepeatedVertex { element, vertex } => {
+                write!(f, "element {element} names vertex {vertex} twice")
+            }
             Self::NoSuchView { elements, needs } => {
                 write!(f, "cannot take {elements}: it needs an energy that {needs}")
             }

@@ -15,9 +15,9 @@ use cloth_core::step::BuildError;
 /// where the cloth is bent it resists turning, too.
 ///
 /// The force is a sum of multiples of `∂C`: no net force on an element, and no net moment, where a rotation leaves C
-/// alone, about the positions that K is taken at. In explicit steps these are `x[0]`. In implicit ones they are the
-/// inertial prediction, and the velocity is the difference of two positions: a turn by the angle θ in one step shows as
-/// a strain of `θ²/2` in that step, which is damped. That is an error of large steps.
+/// alone, about the positions that K is taken at. In explicit steps these are `x[0]`. In implicit ones they are
+/// `x_b + τ v_b`, where uniform motion leads, and the velocity is the difference of two positions: a turn by the angle
+/// θ in one step shows as a strain of `θ²/2` in that step, which is damped. That is an error of large steps.
 ///
 /// From a measurement: a mode ω of damping ratio ζ (1 is critical) has `2ζω = α + βω²`, so without drag `β = 2ζ/ω` at
 /// the frequency that matters; slower modes are then damped less, faster ones more.

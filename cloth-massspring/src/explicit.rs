@@ -59,9 +59,10 @@ pub struct ExplicitEuler(Explicit);
 /// With [`StabilityCheck::Watch`] a step (or substep) beyond [`crate::stable_time_step`] (shortened by damping) is
 /// refused with [`StepError::Unstable`]. The estimate is made before the first step and then made anew every 256
 /// substeps or whenever the kinetic energy has grown fourfold, because springs that are stretched are stiffer across
-/// their axis. A run whose kinetic energy is a hundred times what it started with and was given since (by gravity,
-/// load, pins and moving bodies) ends with the same error, or with [`StepError::EnergyGain`] where the step is not too
-/// large: contact has then stretched the cloth.
+/// their axis; with contacts in the input anew in every step, as contact may have stretched them. A run whose kinetic
+/// energy is a hundred times what it started with and was given since (by gravity, load, pins, moving bodies and
+/// elements whose energy fell below 0) ends with the same error, or with [`StepError::EnergyGain`] where the step is
+/// not too large: contact has then stretched the cloth.
 ///
 /// Contact acts at the end of every substep and lets nothing through: the straight paths of all vertices from the start
 /// of the substep are tested. Pairs that would come too near or cross are projected again; what is not free even then
@@ -112,7 +113,7 @@ impl Stepper for SymplecticEuler {
     }
 }
 
-/// What both are made of.
+/// Particles, energies and settings of an explicit solver.
 #[derive(Debug)]
 struct Model {
     particles: Particles,
@@ -120,7 +121,7 @@ struct Model {
     config: ExplicitConfig,
 }
 
-/// The part that the two have in common.
+/// An explicit solver of either scheme.
 #[derive(Debug)]
 struct Explicit {
     scheme: Scheme,
@@ -281,18 +282,18 @@ impl Explicit {
             return Err(Failure::NonFinite { vertex });
         }
         if feels_contact {
-            self.touch(input, dt)?;
+            self.resolve_contact(input, dt)?;
         }
         if let Some(monitor) = &mut self.monitor {
             // Before the end of the step nobody knows what moving bodies have done.
-            monitor.account(&balance, !feels_contact)?;
+            monitor.account(&self.model, &self.positions, &balance, !feels_contact)?;
         }
         Ok(balance)
     }
 
     /// Contact in a substep of `dt` (s), whose free end has been found: as constraints on the positions, and what they
     /// change as velocity.
-    fn touch(&mut self, input: &mut StepInput<'_>, dt: Real) -> Result<(), Failure> {
+    fn resolve_contact(&mut self, input: &mut StepInput<'_>, dt: Real) -> Result<(), Failure> {
         let Some(contacts) = input.contact_constraints() else {
             return Ok(());
         };

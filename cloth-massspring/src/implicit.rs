@@ -48,7 +48,7 @@ pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;
 
 use crate::config::{ImplicitConfig, Solve, StartGuess};
-use at_end::{AtEnd, Room};
+use at_end::{AtEnd, EndContactMemory};
 use cloth_core::contact::{ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
@@ -130,15 +130,15 @@ pub struct ImplicitEuler(Implicit);
 /// The implicit midpoint rule: the forces in the middle of the step, at `(x[0] + x[1])/2`.
 ///
 /// Second order, time-reversible and symplectic. An oscillation ω keeps its amplitude whatever the step, and turns by
-/// `2 atan(Δt ω/2)`: the energy of linear springs is kept to rounding, linear momentum as in [`ImplicitEuler`], angular
-/// momentum to the tolerance.
+/// `2 atan(Δt ω/2)`: a quadratic energy is kept to rounding, linear momentum as in [`ImplicitEuler`], angular momentum
+/// to the tolerance.
 ///
 /// The price: nothing dies out, and that holds for modes that the step does not resolve, too. With `Δt ω ≫ 2` they turn
 /// by almost half a circle a step and appear as a vertex-to-vertex ringing that goes on for ever. Nor is the energy of
-/// *nonlinear* springs kept: where they are stiff and the step is long, it grows without bound, though every stage has
-/// its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m gains more than 10³ J within 300 steps of 1/60 s (a
-/// test says so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or so; for cloth at large steps
-/// take [`Bdf2`].
+/// springs of length L > 0 kept, which is not quadratic: where they are stiff and the step is long, it grows without
+/// bound, though every stage has its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m gains more than 10³ J
+/// within 300 steps of 1/60 s (a test says so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or
+/// so; for cloth at large steps take [`Bdf2`].
 ///
 /// It is half a step of implicit Euler, whose change of x and v is then added once more. Damping: drag and stiffness
 /// act with the velocity in the middle, both with second order. Prescribed vertices pass the middle at
@@ -244,7 +244,7 @@ struct Implicit {
     damper: Option<Damper>,
     minimizer: Minimizer,
     /// For contact at the end of a step that is solved for its middle.
-    room: Room,
+    end_contact: EndContactMemory,
 }
 
 impl Implicit {
@@ -288,7 +288,7 @@ impl Implicit {
         if is_middle && contact.is_some() {
             let (w, s) = (self.particles.inverse_mass(), span.tau * drag.sqrt());
             let goal = &mut self.predicted;
-            self.room.go_on(from_elsewhere, w, s, goal);
+            self.end_contact.go_on(from_elsewhere, w, s, goal);
         }
         let mut at_end;
         let mut contact = match (contact, span.place) {
@@ -296,7 +296,7 @@ impl Implicit {
                 at_end = AtEnd {
                     contact,
                     start: &state.positions,
-                    room: &mut self.room,
+                    memory: &mut self.end_contact,
                 };
                 Some(&mut at_end as &mut dyn ContactPotential)
             }
@@ -350,7 +350,7 @@ impl Implicit {
             let (x, v) = (&mut self.predicted, &mut self.base);
             if is_middle {
                 let w = self.particles.inverse_mass();
-                self.room.take_half(contact, x, w, input.dt, v);
+                self.end_contact.take_half(contact, x, w, input.dt, v);
             }
             contact.end(x, v);
         }

@@ -32,8 +32,9 @@
 //! ρ (kg/m², a weighed piece over its area), the modulus Y (N/m, from a tensile test: force per width over strain) and
 //! the bending rigidity D (N·m, moment per width over curvature). Springs of equal k on this mesh are a sheet of
 //! `Y = 4k/3` and Poisson's ratio 1/3, whatever the edge length: refining the mesh keeps k
-//! ([below](#springs-triangles-and-hinges-as-a-sheet)). [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus)
-//! takes Y. For another Poisson's ratio [`Discretization`](cloth_core::cloth::Discretization) takes triangles.
+//! ([below](#springs-triangles-and-hinges-as-a-sheet)). Here they are stiffer by 3/(4n) for n cells a side, 8 %, as rim
+//! edges have the whole k; [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes Y, and halves it there.
+//! For another Poisson's ratio [`Discretization`](cloth_core::cloth::Discretization) takes triangles.
 //! `cloth-bench study independence` shows what mesh and step change.
 //!
 //! # The idea
@@ -82,27 +83,29 @@
 //! ```
 //!
 //! Gravity and load are constant in a step and stand in x̂, so E is elastic only. Forces without a potential get one
-//! for the duration of a step. Drag α is linear in `v = (x − x_b)/τ`, so it changes x̂ and s, and nothing else.
-//! Damping that grows with the stiffness adds a third term, `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ` held
-//! at the inertial prediction (`implicit/damper.rs`); friction takes its normal force from the start of the step.
+//! for the duration of a step. Drag α is linear in `v = (x − x_b)/τ`, so it changes x̂ and s, and nothing else. Damping
+//! that grows with the stiffness adds a third term, `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ` held at
+//! `x_b + τ v_b`, where uniform motion leads (`implicit/damper.rs`); friction takes its normal force from the start of
+//! the step.
 //!
 //! The minimisation can be cut short: one Newton step from `x[0]` without a line search is the implicit step of Baraff
 //! and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their
 //! `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`.
 //!
-//! **The Hessian of a spring** decides how hard that is. With its unit vector n and its length l,
+//! **The Hessian of a spring** decides how hard that is. With its unit vector `n = (x₀ − x₁)/l` and its length l,
+//! `∂l/∂x₀ = n` and `∂n/∂x₀ = (I − n nᵀ)/l`. So `E = ½ k (l − L)²` has
 //!
 //! ```text
-//! ∂²E/∂x₀² = k n nᵀ + k (1 − L/l) (I − n nᵀ)
+//! ∂E/∂x₀ = k (l − L) n,    ∂²E/∂x₀² = k n nᵀ + k (l − L) (I − n nᵀ)/l
 //! ```
 //!
-//! and its negative between the ends. Along the spring it is k. Across, it is tension over length: negative under
-//! compression, where the straight spring is a maximum sideways and buckling goes down. `M/Δt² + H` may then be
-//! indefinite (one spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up. The
-//! cures ([`Convexity`](cloth_core::element::Convexity), element by element; [`HessianPolicy`]) change the matrix and
-//! never the gradient: a converged step is a stationary point of the same G by any of them, and they decide the number
-//! of iterations, and which of several minima is found. In a linearised step nothing follows that would make up for a
-//! changed matrix: there the cure changes the answer.
+//! and their negatives for x₁ and between the ends. Along the spring the Hessian is k. Across, it is tension over
+//! length: negative under compression, where the straight spring is a maximum sideways and buckling goes down.
+//! `M/Δt² + H` may then be indefinite (one spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`), and a Newton
+//! step may lead up. The cures ([`Convexity`](cloth_core::element::Convexity), element by element; [`HessianPolicy`])
+//! change the matrix and never the gradient: a converged step is a stationary point of the same G by any of them, and
+//! they decide the number of iterations, and which of several minima is found. In a linearised step nothing follows
+//! that would make up for a changed matrix: there the cure changes the answer.
 //!
 //! Formulas of the other elements stand in [`cloth_core::energy`], a file each. Their Hessians differ in this respect:
 //!
@@ -146,13 +149,14 @@
 //! curvature `(3λ² − 1)/2` is negative below `λ = 1/√3`, and its force `λ (λ² − 1)/2` fades from there to zero when it
 //! is pressed flat. There it holds a finite energy, so it can be turned inside out, as springs can.
 //!
-//! **Hinges.** A small deflection u of a triangle leaves the edge `x₀ x₁`, of length e, with the slope of u from the
-//! foot of the height h to the tip: `e (u₂ − u_foot)/h = (cot θ₀ + cot θ₁) u₂ − cot θ₁ u₀ − cot θ₀ u₁`, as
-//! `e/h = cot θ₀ + cot θ₁` and the foot divides e as the cotangents. The sum with that of the other triangle is `−q·u`:
-//! hence the q of [`CurvatureHinge`](cloth_core::energy::CurvatureHinge). Put positions in the place of u: the part of
-//! the first triangle in `q x` is `−e/h` times the vector from its foot to its tip. While the triangle is not stretched
-//! that vector is `h d₂`, with d₂ the unit vector in the triangle at right angles to the edge. So `q x = −e (d₂ + d₃)`.
-//! In a flat hinge d₂ and d₃ are opposite, and `q x = 0`. Folded by θ their sum is `2 sin(θ/2)` long, and
+//! **Hinges.** Deflect the corners of a triangle by u, normal to its plane. Across its edge `x₀ x₁`, of length e, the
+//! slope is `(u₂ − u_foot)/h`, from the foot of the height h to the tip; e times it is
+//! `(cot θ₀ + cot θ₁) u₂ − cot θ₁ u₀ − cot θ₀ u₁`, as `e/h = cot θ₀ + cot θ₁` and the foot divides e as the cotangents.
+//! The sum with that of the other triangle is `−q·u`: hence the q of
+//! [`CurvatureHinge`](cloth_core::energy::CurvatureHinge). Put positions in the place of u: the part of the first
+//! triangle in `q x` is `−e/h` times the vector from its foot to its tip. While the triangle is not stretched that
+//! vector is `h d₂`, with d₂ the unit vector in the triangle at right angles to the edge. So `q x = −e (d₂ + d₃)`. In a
+//! flat hinge d₂ and d₃ are opposite, and `q x = 0`. Folded by θ their sum is `2 sin(θ/2)` long, and
 //! `‖q x‖ = 2e sin(θ/2)`, about eθ. The hinge stands for a third of its triangles, `Ā = (A₀ + A₁)/3`, with the
 //! curvature `eθ/Ā`: `E = ½ k (eθ/Ā)² Ā`, `K = k/Ā`. An equilateral lattice bent to a cylinder of curvature κ has
 //! `q·u = κ e² (cos 2φ − ½)/√3` at an edge that is φ away from the direction of κ. The squares of the three brackets at
@@ -199,9 +203,9 @@
 //! much cheaper. On the hanging sheet it takes 22, 30 and 35 at 32, 64 and 128 vertices a side
 //! (`cloth-bench/doc/results.md`). One step:
 //!
-//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins. Vertices
-//!    whose path to the start meets something are stopped before it, and those around them are held back by less the
-//!    further away they are ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
+//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins. The displacement to the
+//!    start is truncated where it meets something, and the truncation fades with distance
+//!    ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
 //! 2. Without contacts in the input, connected components that nothing holds are shifted to where their momentum takes
 //!    them. With contacts all are shifted together, if nothing is held at all and they touch only each other.
 //! 3. Repeat:
@@ -217,7 +221,8 @@
 //!       rise below `10⁻¹⁰ |G|`) the slope decides: `∇G(x + t p)·p ≤ 0.8 |∇G(x)·p|`. If none is accepted, a gradient of
 //!       at most 100 times the rounding error is the end; else the pairs are dropped and the Hessian is taken anew,
 //!       then Newton's method takes over (not in contact), and where that fails too the step is refused. In contact a
-//!       full step with half of its slope left goes on to the zero of the secant of slopes, 4 p at most, if G falls.
+//!       full step with half of its slope left goes on to the zero of the secant of slopes, by at most 4 p beyond it,
+//!       if G falls.
 //!    7. From iteration 4 on, keep the pair `d = t p`, `y = Δ∇G` if `d·y > 0`, which Armijo does not ensure.
 //! 4. The shift of 2 again: so linear momentum is kept to rounding at any tolerance.
 //! 5. `v = (x − x_b)/τ`.
@@ -245,8 +250,8 @@
 //!   hinges give their Gauss–Newton matrix, which needs no eigenvalues, and blocks of the two vertices opposite an edge
 //!   go to the diagonal, which leaves the pattern of the edges
 //!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)).
-//! - *Predicted forces.* A step along the tangent stretches a stiff spring that turns, and the Hessian at its end has a
-//!   tension across it that the minimum will not have. So the first four iterations take another factor of
+//! - *Predicted forces.* A Newton step moves a turning stiff spring along its tangent and so stretches it; the Hessian
+//!   there has a geometric stiffness that the minimum has not. So the first four iterations take another factor of
 //!   `I − n nᵀ` than the `k |l − L|/l` of the absolute values: `k |C̃|/L`. Here C̃ is the extension that the spring,
 //!   linearised at the iterate before, x′, is predicted to have at x: `C̃ = C(x′) + ∂C(x′)·(x − x′)`. It is divided by
 //!   the rest length L, since the length l at x has the false stretch in it. The first iteration has no iterate before
@@ -278,8 +283,10 @@
 //!
 //! What the cloth touches, itself included, is one more energy in `G`, with a gradient and a positive semi-definite
 //! second derivative ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no
-//! iterate is accepted that has gone through anything. So a step ends with all forces and inertia in balance. With the
-//! thickness h (m) and the stiffness κ_c (Pa/m) of contact, at the distance d the energy per area is
+//! iterate is accepted that has gone through anything. So a step ends with all forces and inertia in balance. The
+//! energy is the sum of A ψ(d) over vertices before bodies, vertices before triangles of cloth, and pairs of edges,
+//! with the distance d (m) and the area A that each stands for: a third of the triangles at a vertex, half of that
+//! before cloth, the smaller third of two edges. With the thickness h (m) and the stiffness κ_c (Pa/m) of contact
 //!
 //! ```text
 //! ψ = ½ κ_c (h − d)²                       from h/2 to h, pressure κ_c (h − d)
@@ -290,11 +297,11 @@
 //! that pressures that last stay below `κ_c h/2`. What is pressed deeper has the stiffness `κ_c (h/2d)²`: that, a
 //! larger κ_c and a long step cost iterations, and let nothing through. `PotentialBuilder` has the defaults, 1 mm and
 //! 10⁶ Pa/m. Friction has the energy `μ λ f(u)` of the displacement u along the surface, with the normal force λ at the
-//! start of the step (with that of x it would have no energy), `f = u²/(2ε)` up to ε = h/100 and `u − ε/2` beyond,
-//! where its force is μ λ. So a sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and slides down a slope with the
-//! acceleration a by `a Δt² n(n + 1)/2` in n steps (tests `sheet_rests_where_its_weight_says` and
-//! `sheet_on_a_slope_slides_or_sticks` of `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of
-//! [`ImplicitEuler`] and [`Bdf2`] does this:
+//! start of the step (with that of x it would have no energy; it is 0 in the step in which cloth lands), `f = u²/(2ε)`
+//! up to ε = h/100 and `u − ε/2` beyond, where its force is μ λ. So a sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a
+//! floor, and slides down a slope with the acceleration a by `a Δt² n(n + 1)/2` in n steps (tests
+//! `sheet_rests_where_its_weight_says` and `sheet_on_a_slope_slides_or_sticks` of
+//! `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this:
 //!
 //! - *When contact is computed.* λ: once a step. Which vertices, edges and triangles are near: along every direction,
 //!   with the step bound, as a query at the start alone would miss what comes near later. The list holds all that is
@@ -341,7 +348,7 @@
 //! | multigrid (preconditioned conjugate gradients) | a product and a V-cycle | hardly depends on κ |
 //! | conjugate gradients | a product and two passes over the vectors | `(√κ − 1)/(√κ + 1)` or better |
 //! | Chebyshev–Jacobi | a product and one pass | `(√κ − 1)/(√κ + 1)` |
-//! | Gauss–Seidel | as much as a product | the square of undamped Jacobi's, for a chain or a grid without diagonals |
+//! | Gauss–Seidel | as much as a product | `((κ − 1)/(κ + 1))²` for two colours: a chain, a grid without diagonals |
 //! | Jacobi | a product and one pass | `(κ − 1)/(κ + 1)` with the best damping, which is estimated |
 //!
 //! Here A = M/Δt² + H, D its diagonal blocks, the preconditioner of conjugate gradients. κ is of the order of
@@ -358,8 +365,8 @@
 //! # What a step does to one oscillation
 //!
 //! With `z = Δt ω` (tests hold amplitudes and angles to 10⁻¹¹ or less, `z⁴/4` to 2 % at z = 0.05). Written as
-//! `u = x + i v/ω` an oscillation is `u′ = −iω u`: forward Euler has `u[1] = (1 − iz) u[0]`, implicit Euler
-//! `(1 + iz) u[1] = u[0]`, midpoint `(1 + iz/2) u[1] = (1 − iz/2) u[0]`, BDF2 `(3 + 2iz) u[1] = 4u[0] − u[−1]`, and the
+//! `u = x − i v/ω` an oscillation is `u′ = iω u`: forward Euler has `u[1] = (1 + iz) u[0]`, implicit Euler
+//! `(1 − iz) u[1] = u[0]`, midpoint `(1 − iz/2) u[1] = (1 + iz/2) u[0]`, BDF2 `(3 − 2iz) u[1] = 4u[0] − u[−1]`, and the
 //! table modulus and angle of these factors. Symplectic Euler mixes x and v and has a matrix (`stability.rs`) in their
 //! place. It moves on the ellipse `x² + (v/ω)² − z x v/ω`, tilted by an amount of order z: hence its order 1.
 //!
@@ -392,11 +399,11 @@
 //!
 //! # Errors and bad input
 //! - **Meshes, materials, masses** are checked by `cloth-core` when they are made: a triangle without area, a wrong
-//!   index, a vertex of no triangle, a mass that is not positive. Of elements made by hand only the vertices are; a
-//!   stiffness that is no number shows as [`StepError::NonFinite`].
+//!   index, a vertex of no triangle, a mass that is not positive. Of elements made by hand only the numbers of their
+//!   vertices are, when they are given to a builder; a stiffness that is no number shows as [`StepError::NonFinite`].
 //! - **Building** is refused with a [`BuildError`]: a setting outside its range, settings that exclude each other
-//!   ([`Accept::Minimum`] without a factorisation), an element that names a vertex that does not exist (already by
-//!   `energy`), a matrix too large for its indices.
+//!   ([`Accept::Minimum`] without a factorisation), an element that names a vertex that does not exist, or one
+//!   twice (already by `energy`), a matrix too large for its indices.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, if an input or the result is not
 //!   finite (the vertex is named), if an explicit step exceeds the stability limit or gains energy
 //!   ([`StabilityCheck`]), if no descent is possible, if a matrix is not positive definite that has to be
@@ -430,8 +437,9 @@
 //! `Abs` it has to be semi-definite. Only elements of one vertex count as holding the cloth: the energy of every other
 //! must not change when all its vertices are shifted alike, or the shift of momentum is wrong.
 //!
-//! [`ImplicitBuilder::energy`] has an example of either: three vertices with energy, gradient and a Hessian by every
-//! [`Convexity`](cloth_core::element::Convexity); one vertex with a row. Only blocks on and below the diagonal of a
+//! An example of the first is in [`cloth_core::element`], one vertex with a row; of the second in
+//! [`ImplicitBuilder::energy`], three vertices with energy, gradient and a Hessian by every
+//! [`Convexity`](cloth_core::element::Convexity). Only blocks on and below the diagonal of a
 //! Hessian are read: it has to be symmetric. The tests of a new element are
 //! [`gradient_error`](cloth_core::check::gradient_error) and `hessian_error` away from rest, `smallest_eigenvalue` by
 //! `Clamp` and `Abs` and, as in `cloth-core/tests/support/element_checks.rs`, no force at rest, the same energy after a
@@ -439,13 +447,10 @@
 //!
 //! # Limits
 //!
-//! - Second order holds for steps that resolve the motion. Where stiff springs oscillate faster than the step,
-//!   BDF2 lets them die out within a few steps; the midpoint rule keeps them ringing, and as springs are nonlinear
-//!   their energy grows until the run is nonsense: stable for one oscillation is not stable for cloth. Midpoint is for
-//!   steps that resolve the fastest oscillation.
+//! - Second order holds for steps that resolve the motion. Where stiff springs oscillate faster than the step, BDF2
+//!   lets them die out within a few steps; the midpoint rule keeps them ringing, and as the energy of springs is not
+//!   quadratic it grows until the run is nonsense: stable for one oscillation is not stable for cloth.
 //! - The linearised step has no line search: its energy need not stay bounded where springs turn far in a step.
-//! - Damping keeps its order of accuracy: `K` is taken where inertia leads, `v` where the forces are. It is that of the
-//!   material only, the tension of a spring does not damp its turning.
 //! - The default converges from cloth that is random, flattened, collapsed into a point or turned inside out, with
 //!   stiffnesses and masses that differ by 10⁸ and 10⁶, at steps from 1 ms to 1 s: ten runs of ten in each of 108
 //!   cases. But it can take hundreds of iterations where a stiff net unfolds.
@@ -462,8 +467,6 @@
 //! - Springs with slack change their stiffness from nothing to all at the end of it; the quasi-Newton method then often
 //!   gets stuck, and Newton's method takes over: compare the rows `tension` and `slack` of the example `materials` with
 //!   that of the same k, D and Δt.
-//! - Gradients cannot be made smaller than rounding: positions of 1 m are stored to 10⁻¹⁶ m, and stiff springs feel it.
-//!   At 10⁴ N/m and 1/60 s the floor is about 10⁻⁸ to 10⁻¹⁰ of the forces. The iteration knows it and stops there.
 //! - Stiff springs on all E edges leave 3V − E motions free: too few to fold across diagonals, by any integrator.
 //!
 //! # Which settings
@@ -497,9 +500,11 @@
 //!
 //! An iteration of the default reads the elements once (once more for each shortened step), the finest level twice (the
 //! residual is taken in the forward sweep) and the pairs once; 7 of 30 take the Hessian anew. One of Newton's method
-//! has an assembly, a factorisation or more, and a solve. Times by part: `cloth-bench study newton` (assembly,
-//! factorisation, solve, cycle) and `cargo bench -p benches --bench elements` (energy, gradient and Hessian of an
-//! element); whole steps of every integrator: `study convergence`; peak memory: `study scale`.
+//! has an assembly, a factorisation or more, and a solve. An explicit substep reads the elements once; the estimate of
+//! its limit is some products with the Hessian, every 256 substeps, with contacts in every step. Times by part:
+//! `cloth-bench study newton` (assembly, factorisation, solve, cycle) and `cargo bench -p benches --bench elements`
+//! (energy, gradient and Hessian of an element); whole steps of every integrator: `study convergence`; peak memory:
+//! `study scale`.
 //!
 //! A step of the hanging sheet of 64 × 64 vertices, median ms (2-core Intel Xeon VM, commit 3158c95,
 //! `cargo run --release -p cloth-bench -- run hang --n 64 --steps 30 --method M --threads 1`; the last two are implicit
@@ -510,7 +515,7 @@
 //! | 25 | 32 | 17 | 76 (it blows up: 423 % of stretch) | 139 | 291 | 418 |
 //!
 //! Of the 25 ms 28 % are evaluations of G and its gradient, 26 % the multigrid cycle, 10 % the assembly of the Hessian,
-//! 9 % its way into the levels, and the rest L-BFGS and other work on vectors.
+//! 9 % its restriction to the levels, and the rest L-BFGS and other work on vectors.
 //!
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
@@ -519,10 +524,6 @@
 //!   fall (0.499 m) and stretch (1.2 %).
 //! - **Inextensible cloth.** Stiffness without bound makes κ grow; rigid links are constraints: take XPBD with zero
 //!   compliance.
-//! - **Motion without numerical damping at large steps.** Implicit Euler damps, the midpoint rule may blow up; resolve
-//!   the motion with [`Bdf2`] or smaller steps.
-//! - **Explicit methods for stiff cloth.** Hundreds of substeps a frame (369 for the sheet above) are slower than one
-//!   implicit step.
 //! - **Beside XPBD and IPC.** XPBD stops after its sweeps, whether they have converged or not. IPC (Li et al. 2020,
 //!   <https://doi.org/10.1145/3386569.3392425>) minimises such a G, with a barrier for contact, by Newton's method with
 //!   a factorisation in every iteration. The default does without: 25 ms against 291 above (both without contact).
@@ -548,9 +549,8 @@
 //! tables are `cloth-bench`'s.
 //!
 //! # Features
-//! `parallel` (default): energies, matrices and multigrid on rayon's threads, with the same bits as without.
-//! `cholesky`: the sparse factorisation, for Newton's method by it and for proofs of a minimum; without, Newton's
-//! method takes multigrid.
+//! `parallel` (default): [rayon's threads](#threads). `cholesky`: the sparse factorisation, for Newton's method by it
+//! and for proofs of a minimum; without, Newton's method takes multigrid.
 //!
 //! # References
 //!

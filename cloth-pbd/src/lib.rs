@@ -362,9 +362,9 @@
 //!
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`]: `OutOfRange`, with the setting, its value and its range, for zero
-//!   iterations or substeps, a fixed stiffness outside [0, 1], a relaxation outside (0, 2), …; `NoSuchVertex`, with the
-//!   element and the vertex; `NoSuchView` for elements that are no constraints. k is [not checked](#limits) here, but
-//!   [`Cloth::on`](cloth_core::Cloth::on) refuses one that is negative or not finite, by
+//!   iterations or substeps, a fixed stiffness outside [0, 1], a relaxation outside (0, 2), …; `NoSuchVertex` or
+//!   `RepeatedVertex`, with the element and the vertex; `NoSuchView` for elements that are no constraints. k is [not
+//!   checked](#limits) here, but [`Cloth::on`](cloth_core::Cloth::on) refuses one that is negative or not finite, by
 //!   [`ClothError::OutOfRange`](cloth_core::cloth::ClothError::OutOfRange). A mass that is not positive and finite is
 //!   refused before, by [`Particles::new`]
 //!   ([`ParticleError::InvalidMass`](cloth_core::particles::ParticleError::InvalidMass)).

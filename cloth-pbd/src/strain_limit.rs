@@ -252,8 +252,8 @@ impl StrainLimiterBuilder {
     /// The limiter.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`]; [`BuildError::OutOfRange`] for a range, a tolerance or a number of
-    /// passes out of its own range.
+    /// [`BuildError::NoSuchVertex`]; [`BuildError::RepeatedVertex`]; [`BuildError::OutOfRange`] for a range, a
+    /// tolerance or a number of passes out of its own range.
     pub fn build(self) -> Result<StrainLimiter, BuildError> {
         if let Some(error) = self.error {
             return Err(error);

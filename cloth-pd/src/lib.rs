@@ -220,7 +220,7 @@
 //!
 //! To drag, call [`PdSolver::prescribe`]: changing your `Particles` does nothing, the solver has a copy. Before every
 //! step set the velocity of the vertex to `(goal − x)/Δt`: a prescribed vertex goes on with the one that it has.
-//! [`Pins::steer`](cloth_core::Pins::steer) does so for paths. Softly: [`attach`](PdSolver::attach) once, then
+//! [`Pins::set_velocities`](cloth_core::Pins::set_velocities) does so for paths. Softly: [`attach`](PdSolver::attach) once, then
 //! [`move_attachment`](PdSolver::move_attachment). A load f holds an attached vertex f/k away from its target: with k a
 //! hundred times the stiffness of its springs, by a hundredth of what they are stretched.
 //!
@@ -310,8 +310,8 @@
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`]: `OutOfRange` (no iterations, a spectral radius outside [0, 1), a
 //!   weight that is negative or not finite, rest positions of the coarse grid that do not match), `NoSuchVertex`,
-//!   `NoSuchView`, or `MatrixTooLarge` (more entries than 32 bits count, or no memory to factorise in). `energy` never
-//!   fails; its error is kept for `build`.
+//!   `RepeatedVertex`, `NoSuchView`, or `MatrixTooLarge` (more entries than 32 bits count, or no memory to factorise
+//!   in). `energy` never fails; its error is kept for `build`.
 //! - **A step** is refused with a [`StepError`]: `InvalidTimeStep` if Δt is not positive and finite, `NonFiniteInput`
 //!   or `NonFinite` if an input or the result is not finite (the vertex is named), `NotPositiveDefinite` if A is not to
 //!   working precision, `Contact` if contact cannot be resolved. The state is then what it was before the step.

@@ -277,8 +277,8 @@ impl SingleBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] and
-    /// [`BuildError::NoSuchView`] for elements that are not a vector row.
+    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchVertex`]; [`BuildError::RepeatedVertex`];
+    /// [`BuildError::SettingsConflict`] and [`BuildError::NoSuchView`] for elements that are not a vector row.
     pub fn build(self) -> Result<SingleXpbd, BuildError> {
         if let Some(error) = self.error {
             return Err(error);

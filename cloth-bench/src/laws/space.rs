@@ -4,7 +4,7 @@ use super::prelude::*;
 use crate::mesh_spec;
 use crate::scene;
 use crate::yardstick;
-use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::{EdgeTable, Topology};
 use cloth_pd::{PdConfig, PdSolver};
@@ -66,7 +66,7 @@ fn null_space(settings: &Settings) -> Result<Evaluation, BenchError> {
     let measure =
         |positions: &[_]| EdgeRank::measure(positions, &edges).map_err(BenchError::failed);
     let rest = measure(mesh.positions())?;
-    let curved = measure(&bent(mesh.positions()))?;
+    let curved = measure(&perturbed(mesh.positions()))?;
     // Every piece keeps its six rigid motions, however many edges there are.
     let expected = closed_form(&topology).max(6.0 * topology.components as Real);
     Ok(Evaluation::new(expected, curved.nullity as Real)

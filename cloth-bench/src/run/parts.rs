@@ -35,7 +35,7 @@ impl Course<'_> {
     ) -> Result<StepReport, BenchError> {
         self.mean_forces = None;
         self.untangling.begin_step();
-        let parts = self.scene.parts(dt) * stepper.parts();
+        let parts = self.scene.parts(dt) * stepper.preferred_substeps();
         let part = dt / Real::from(parts);
         let mut taken = Taken {
             seconds: 0.0,

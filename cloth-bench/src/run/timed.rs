@@ -37,8 +37,8 @@ impl ContactSource for Timed {
         self.source.can_touch()
     }
 
-    fn held(&self) -> usize {
-        self.source.held()
+    fn truncated_count(&self) -> usize {
+        self.source.truncated_count()
     }
 
     fn potential(&mut self) -> &mut dyn ContactPotential {
@@ -87,7 +87,7 @@ impl Timed {
 
     /// Takes notice of how a step has ended, in which the cloth was still pulled apart or not.
     pub(super) fn count(&mut self, is_tangled: bool) {
-        self.held_steps += u32::from(self.source.held() > 0);
+        self.held_steps += u32::from(self.source.truncated_count() > 0);
         let pinched = match is_tangled {
             true => 0,
             false => self.source.contacts.pinched() as u32,

@@ -93,7 +93,7 @@ impl Scene {
                     let (motion, start, since) = (*motion, state.positions[vertex], state.time);
                     let path = move |time| motion.position(start, since, time);
                     let particles = &mut scene.model.particles;
-                    let held = pins.follow(particles, vertex, path);
+                    let held = pins.add_path(particles, vertex, path);
                     held.map_err(BenchError::failed)?;
                     state.velocities[vertex] = Vec3::zeros();
                 }

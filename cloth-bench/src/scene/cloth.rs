@@ -39,7 +39,7 @@ crate::settings! {
             "lengths relative to rest between which springs on edges do not resist, or principal stretches between \
              which membrane=arap does not, such as 0.98,1.02, or none";
         edges: Or<Edges, Real> = "all",
-            "edges that carry springs: all, quads (no diagonals), or the share of the coordinates that is to be free, \
+            "edges that carry springs: all, quads (no diagonals), or the fraction of the coordinates that is to be free, \
              such as 0.2";
         level: u32 = 0,
             "coarse level of the mesh that keeps the cloth from stretching, from 1; 0: the mesh itself does";

@@ -179,7 +179,7 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
             let turn = Rotation3::from_axis_angle(&Vec3::x_axis(), side * part * turns * TAU / 2.0);
             turn * x - Vec3::x() * (side * part * nearer)
         };
-        pins.follow(&mut model.particles, vertex, path)
+        pins.add_path(&mut model.particles, vertex, path)
             .map_err(BenchError::failed)?;
     }
     Ok(Scene {

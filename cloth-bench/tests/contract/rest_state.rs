@@ -46,12 +46,12 @@ fn driven_vertices_are_on_their_path_after_every_step() {
     let path =
         move |t: Real| centre + Vec3::new(0.1 * (3.0 * t).sin(), 0.0, 0.1 - 0.1 * (3.0 * t).cos());
     let mut pins = Pins::new();
-    pins.follow(&mut scene.model.particles, 8, path).unwrap();
+    pins.add_path(&mut scene.model.particles, 8, path).unwrap();
     for method in methods() {
         let mut solver = solver(method, &scene);
         let mut state = scene.start.clone();
         for _ in 0..10 {
-            pins.steer(&mut state, scene.dt);
+            pins.set_velocities(&mut state, scene.dt);
             solver
                 .step(&mut state, StepInput::new(scene.dt).gravity(scene.gravity))
                 .unwrap();

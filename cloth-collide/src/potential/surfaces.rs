@@ -428,7 +428,7 @@ impl ContactSource for PotentialContacts {
         near.own.self_collision || !bodies.is_empty() || !self.surfaces.list.is_empty()
     }
 
-    fn held(&self) -> usize {
+    fn truncated_count(&self) -> usize {
         self.contacts.held
     }
 }

@@ -17,8 +17,8 @@ pub struct Discretization {
     pub membrane: MembraneCarrier,
     /// Stiffness (N/m) of shear springs along both diagonals of every rectangle that two triangles form: one lies on an
     /// edge and takes this stiffness instead of the membrane's, the other is added. With axial springs of stiffness k
-    /// on a square grid the sheet is isotropic if this is k/2, and has then the modulus `Y = 4k/3` and ν = 1/3. None:
-    /// no second diagonal. Springs of a given stiffness only.
+    /// on a square grid the sheet is isotropic if this is k/2, and has then the modulus `Y = 4k/3` and ν = 1/3, but for
+    /// the rim ([`Membrane::SpringStiffness`]). None: no second diagonal. Springs of a given stiffness only.
     pub shear: Option<Real>,
     /// What resists bending.
     pub bending: BendingCarrier,
@@ -41,7 +41,7 @@ pub enum MembraneCarrier {
     Springs,
     /// St. Venant–Kirchhoff triangles with the modulus of the cloth; of a cloth that states a spring stiffness k, with
     /// the modulus that those springs have in the mean over all directions, `Y = k Σ n L²/(3A)` as in
-    /// [`Membrane::Modulus`].
+    /// [`Membrane::Modulus`], with half of k on the rim.
     Stvk {
         /// Poisson's ratio ν in (−1, 1) (dimensionless); 1/3 is that of springs.
         poisson_ratio: Real,

@@ -1,10 +1,10 @@
 //! Levels of detail against locking: a coarse level holds the cloth together, the mesh bends.
 //!
 //! Springs on the edges do two things at once: they keep the cloth from stretching, and they keep every triangle as it
-//! is, which is what locks. Only the first is wanted. So each level gets a model of its own: the mesh
-//! gets hinges and springs of a small part of the modulus, and a coarser level of it carries the rest by links that
-//! pull and do not push. A link is as long as the way over the cloth ([`coarse_levels`]); bending, folding and rolling
-//! make no such way longer, so the links cost no bend anything, at any curvature and on any mesh.
+//! is, which is what locks. Only the first is wanted. So each level gets a model of its own: the mesh gets hinges and
+//! springs of a small part of the modulus, and a coarser level of it carries the rest by links that pull and do not
+//! push. A link is as long as the geodesic over the cloth ([`coarse_levels`]); bending, folding and rolling make no
+//! geodesic longer, so the links cost no bend anything, at any curvature and on any mesh.
 //!
 //! Hierarchical position-based dynamics holds a cloth with such links, level by level from coarse to fine, as a way to
 //! carry corrections far ([`crate::method::multigrid`]). Here they are elements with a stiffness, so that every method
@@ -23,8 +23,8 @@ use crate::topology::EdgeTable;
 /// Links on the level `level` carry the part `1 − fine_fraction` of the modulus, the springs on the edges the rest:
 /// stretched evenly, the sheet stores what springs alone store, in the mean over all directions.
 ///
-/// What it breaks, besides taking more elements (figures of level 2 with a share of 0.01 on sheets of 16 cells a side,
-/// `cloth-bench study locking`):
+/// What it breaks, besides taking more elements (figures of level 2 with a fine fraction of 0.01 on sheets of 16 cells
+/// a side, `cloth-bench study locking`):
 /// - links lie more in some directions than in others: pulled along x, the sheet has 0.74 (alternating grid) to 1.07
 ///   (crossed) of the energy of springs;
 /// - pushed together, the sheet keeps `fine_fraction` of its stiffness, and under shear, which pulls one way and pushes
@@ -51,7 +51,7 @@ impl CoarseMembrane {
         Ok(())
     }
 
-    /// Leaves their share to the springs on the edges, all of them, and returns the links of the coarse level.
+    /// Leaves the fine fraction to the springs on the edges, all of them, and returns the links of the coarse level.
     pub(super) fn applied_to(
         self,
         springs: &mut Vec<Spring>,

@@ -190,7 +190,7 @@ impl Elements {
         })
     }
 
-    /// The error of a method that these elements do not suit, which needs an energy that …
+    /// The error of a method that cannot take these elements; `needs` says what their energy would have to be.
     #[must_use]
     pub fn no_view(&self, needs: &'static str) -> BuildError {
         BuildError::NoSuchView {
@@ -204,37 +204,38 @@ impl Energies {
     /// Adds all elements of a cloth, as [`ClothModel::families`](super::ClothModel::families) has them.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
+    /// or one twice.
     pub fn with_elements(self, families: Vec<Elements>) -> Result<Self, BuildError> {
         let mut families = families.into_iter();
         families.try_fold(self, |sum, family| family.as_energies(Summand(sum)))
     }
 }
 
-/// What is done with elements of one kind, whichever it is, by a method that asks for energies.
+/// Receives one family of elements, whichever its kind is, for a method that asks for energies.
 pub trait EnergyVisitor {
-    /// What comes of it.
+    /// Result type.
     type Output;
 
-    /// Does it.
+    /// Receives one family.
     fn visit<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Self::Output;
 }
 
-/// The same by a method that asks for constraints.
+/// The same for a method that asks for constraints.
 pub trait ConstraintVisitor {
-    /// What comes of it.
+    /// Result type.
     type Output;
 
-    /// Does it.
+    /// Receives one family.
     fn visit<const N: usize, E: Constraint<N>>(self, elements: Vec<E>) -> Self::Output;
 }
 
-/// The same by a method that asks for squared distances to sets.
+/// The same for a method that asks for squared distances to sets.
 pub trait ProjectiveVisitor {
-    /// What comes of it.
+    /// Result type.
     type Output;
 
-    /// Does it.
+    /// Receives one family.
     fn visit<const N: usize, const K: usize, E: Projective<N, K>>(
         self,
         elements: Vec<E>,

@@ -5,7 +5,7 @@
 //!
 //! | remedy | freedom | what it breaks |
 //! |---|---|---|
-//! | [`SpringLaw::Compression`] with share r | edges may shorten | the sheet is r times as stiff when pushed as when pulled |
+//! | [`SpringLaw::Compression`] with fraction r | edges may shorten | the sheet is r times as stiff when pushed as when pulled |
 //! | [`SpringLaw::DeadZone`] | lengths are free in a range | nothing holds a length within the range: cloth gives by that much before it holds |
 //! | [`SpringEdges::DofFraction`], [`SpringEdges::Quads`] | 3V − E grows by 1 with every edge left out | stiffness against shear; with no diagonal left on a grid it is zero, and a wanted modulus is missed |
 //! | [`CoarseMembrane`](super::CoarseMembrane) | all lengths, but for those of a coarser level that grow | stretch over short distances is hardly resisted; pushed, the sheet is softer |
@@ -29,7 +29,7 @@ pub enum SpringLaw {
     /// In proportion.
     #[default]
     Linear,
-    /// k under tension, this share of k (dimensionless, 0 to 1) under compression:
+    /// k under tension, this fraction of k (dimensionless, 0 to 1) under compression:
     /// `E = ½ r k C² + ½ (1 − r) k max(0, C)²`, a spring and, beside it, one that is slack below its rest length.
     ///
     /// Limits: PBD with one fixed stiffness for all constraints does not know k, and takes the two for the same.
@@ -45,7 +45,7 @@ pub enum SpringEdges {
     /// All of them.
     #[default]
     All,
-    /// So few that `3V − E` reaches this share of 3V (dimensionless, 0 to 1): edges are left out in the order of
+    /// So few that `3V − E` reaches this fraction of 3V (dimensionless, 0 to 1): edges are left out in the order of
     /// [`removable_edges`].
     DofFraction(Real),
     /// The edges of quads only: all [`removable_edges`] are left out, the diagonals of a grid among them.
@@ -56,9 +56,9 @@ impl SpringLaw {
     fn check(self) -> Result<(), ClothError> {
         match self {
             Self::Linear => Ok(()),
-            Self::Compression(share) => {
+            Self::Compression(fraction) => {
                 let name = "part of k that springs keep under compression";
-                within((0.0..=1.0).contains(&share), name, share, FRACTION)?;
+                within((0.0..=1.0).contains(&fraction), name, fraction, FRACTION)?;
                 Ok(())
             }
             Self::DeadZone([shortest, longest]) => {
@@ -85,12 +85,12 @@ impl SpringLaw {
         mut springs: Vec<Spring>,
     ) -> Result<(Vec<Spring>, Vec<StrainLimitSpring>), ClothError> {
         self.check()?;
-        let limited = |springs: &[Spring], limits: [Real; 2], share: Real| {
+        let limited = |springs: &[Spring], limits: [Real; 2], fraction: Real| {
             let one = |s: &Spring| StrainLimitSpring {
                 vertices: s.vertices,
                 shortest: limits[0] * s.rest_length,
                 longest: limits[1] * s.rest_length,
-                stiffness: share * s.stiffness,
+                stiffness: fraction * s.stiffness,
             };
             springs.iter().map(one).collect()
         };
@@ -98,10 +98,10 @@ impl SpringLaw {
             Self::Linear => (springs, Vec::new()),
             Self::DeadZone(limits) => (Vec::new(), limited(&springs, limits, 1.0)),
             Self::Compression(1.0) => (springs, Vec::new()),
-            Self::Compression(share) => {
-                let tension = limited(&springs, [0.0, 1.0], 1.0 - share);
+            Self::Compression(fraction) => {
+                let tension = limited(&springs, [0.0, 1.0], 1.0 - fraction);
                 for spring in &mut springs {
-                    spring.stiffness *= share;
+                    spring.stiffness *= fraction;
                 }
                 springs.retain(|spring| spring.stiffness > 0.0);
                 (springs, tension)
@@ -121,22 +121,22 @@ impl SpringEdges {
         if self == Self::All {
             return Ok(springs);
         }
-        let droppable = removable_edges(mesh, edges);
+        let removable = removable_edges(mesh, edges);
         let coordinates = 3 * mesh.vertex_count();
         let count = match self {
             Self::All => 0,
-            Self::Quads => droppable.len(),
-            Self::DofFraction(share) => {
+            Self::Quads => removable.len(),
+            Self::DofFraction(fraction) => {
                 let least = (coordinates as Real - edges.len() as Real) / coordinates as Real;
-                let most = least + droppable.len() as Real / coordinates as Real;
-                if !(0.0 <= share && share <= most) {
-                    return Err(ClothError::DofFraction { share, most });
+                let most = least + removable.len() as Real / coordinates as Real;
+                if !(0.0 <= fraction && fraction <= most) {
+                    return Err(ClothError::DofFraction { fraction, most });
                 }
-                ((share - least) * coordinates as Real).ceil().max(0.0) as usize
+                ((fraction - least) * coordinates as Real).ceil().max(0.0) as usize
             }
         };
         let mut is_kept = vec![true; edges.len()];
-        for &edge in droppable.iter().take(count) {
+        for &edge in removable.iter().take(count) {
             is_kept[edge as usize] = false;
         }
         let pairs = springs.into_iter().zip(is_kept);

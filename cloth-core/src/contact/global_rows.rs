@@ -2,19 +2,20 @@
 
 use crate::math::{Real, Vec3};
 
-/// One part of rank one, `k g gᵀ`, with `g` the gradient of a scalar by all the vertices that it depends on.
+/// One part of rank one, `k g gᵀ`, with `g` the gradient of a scalar C, a volume for instance, by all the vertices that
+/// it depends on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GlobalRow {
     /// The vertices; none stands twice.
     pub vertices: Vec<u32>,
-    /// g of each of them.
+    /// g of each of them (unit of C per m).
     pub gradient: Vec<Vec3>,
-    /// k, not negative, in the unit that makes `k g gᵀ` a stiffness (N/m).
+    /// k, not negative, in the unit that makes `k g gᵀ` a stiffness (N/m): J per squared unit of C.
     pub stiffness: Real,
 }
 
 impl GlobalRow {
-    /// `g·p`, for displacements `p` of all vertices.
+    /// `g·p` (unit of C), for displacements `p` (m) of all vertices.
     #[must_use]
     pub fn dot(&self, p: &[Vec3]) -> Real {
         let own = self.vertices.iter().zip(&self.gradient);

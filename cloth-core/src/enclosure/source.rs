@@ -149,8 +149,8 @@ where
         !self.volumes.is_empty() || self.contacts.can_touch()
     }
 
-    fn held(&self) -> usize {
-        self.contacts.held()
+    fn truncated_count(&self) -> usize {
+        self.contacts.truncated_count()
     }
 }
 

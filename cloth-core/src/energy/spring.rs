@@ -130,13 +130,7 @@ impl Constraint<2> for Spring {
         } else {
             0.0 // no second derivative exists
         };
-        let factor = match convexity {
-            Convexity::Clamp => tension.max(0.0),
-            Convexity::Abs => tension.abs(),
-            Convexity::Exact => tension,
-            Convexity::GaussNewton => 0.0,
-        };
-        let block = (Mat3::identity() - n * n.transpose()) * factor;
+        let block = (Mat3::identity() - n * n.transpose()) * convexity.applied_to(tension);
         [[block, -block], [-block, block]]
     }
 

@@ -46,7 +46,8 @@ pub struct StvkTriangle {
 }
 
 impl StvkTriangle {
-    /// One element on every triangle of the mesh, for a membrane modulus Y (N/m) and Poisson's ratio ν in (−1, 1).
+    /// One element on every triangle of the mesh, for a membrane modulus Y (N/m) and Poisson's ratio ν in (−1, 1); see
+    /// [`StvkTriangle::new`].
     #[must_use]
     pub fn on(mesh: &TriMesh, modulus: Real, poisson_ratio: Real) -> Vec<Self> {
         mesh.triangles()
@@ -58,7 +59,8 @@ impl StvkTriangle {
             .collect()
     }
 
-    /// The element at rest at `rest` (m), which must have an area, for Y (N/m) and ν in (−1, 1).
+    /// The element at rest at `rest` (m), which must have an area, for Y (N/m) and ν in (−1, 1). Nothing is checked:
+    /// ν = ±1 makes a stiffness infinite, and ν beyond makes it negative. A [`Cloth`](crate::Cloth) refuses both.
     #[must_use]
     pub fn new(vertices: [u32; 3], rest: &[Vec3; 3], modulus: Real, poisson_ratio: Real) -> Self {
         let map = TriangleMap::new(rest);
@@ -127,12 +129,7 @@ impl Constraint<3> for StvkTriangle {
         let half = self.shear_stiffness * shear * FRAC_1_SQRT_2;
         let off = self.shear_stiffness * slant / SQRT_2;
         let radius = half.hypot(off);
-        let chosen = |value: Real| match convexity {
-            Convexity::Clamp => value.max(0.0),
-            Convexity::Abs => value.abs(),
-            Convexity::Exact | Convexity::GaussNewton => value,
-        };
-        let [high, low] = [chosen(mean + radius), chosen(mean - radius)];
+        let [high, low] = [mean + radius, mean - radius].map(|value| convexity.applied_to(value));
         let (mean, turn) = (
             0.5 * (high + low),
             if radius > 0.0 {

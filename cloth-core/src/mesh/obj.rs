@@ -10,9 +10,10 @@
 //! line it stands: a zero-area or repeated face, a number that is not finite, a vertex without a
 //! face, an edge with more than two faces.
 //!
-//! Limits: the unit of an OBJ file is not written anywhere; we take metres. Polygons and
-//! everything skipped are lost when a file is read and written again; vertices and triangles
-//! keep their order and every bit.
+//! Limits: the unit of an OBJ file is not written anywhere; we take metres. Texture coordinates (`vt`) are not taken
+//! for a rest shape: the vertices are both the rest shape and, unless the caller sets others, the start. Polygons and
+//! everything skipped are lost when a file is read and written again; vertices and triangles keep their order and every
+//! bit.
 
 mod error;
 mod statement;

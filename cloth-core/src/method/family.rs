@@ -248,7 +248,8 @@ impl Energies {
     /// Adds a family. An empty one is dropped.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
+    /// or one twice.
     pub fn with<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Result<Self, BuildError> {
         if E::IS_IN_ELEMENTS {
             self.with_elements(vec![E::into_elements(elements)])
@@ -289,22 +290,35 @@ impl Energies {
         }
     }
 
-    /// The part of `E(x)` (J) whose elements change with time. Its change while the vertices stay where they are is
-    /// work done on the cloth.
+    /// The part of `E(x)` (J, x in m) whose elements change with time. Its change while the vertices stay where they
+    /// are is work done on the cloth.
+    ///
+    /// # Panics
+    /// If `x` does not have one entry per vertex.
     #[must_use]
     pub fn timed_value(&self, x: &[Vec3]) -> Real {
+        self.check_length(x);
         let timed = self.families.iter().filter(|f| f.changes_with_time());
         timed.map(|family| family.value(x)).sum()
     }
 
-    /// `E(x)` (J).
+    /// `E(x)` (J), x in m.
+    ///
+    /// # Panics
+    /// If `x` does not have one entry per vertex.
     #[must_use]
     pub fn value(&self, x: &[Vec3]) -> Real {
+        self.check_length(x);
         self.families.iter().map(|family| family.value(x)).sum()
     }
 
-    /// Adds `∂E/∂x` (N) to `out`, and returns `E(x)` (J).
+    /// Adds `∂E/∂x` (N) at x (m) to `out`, and returns `E(x)` (J).
+    ///
+    /// # Panics
+    /// If a list does not have one entry per vertex.
     pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        self.check_length(x);
+        self.check_length(out);
         let mut total = 0.0;
         for family in &self.families {
             total += family.add_gradient(x, out);
@@ -312,7 +326,10 @@ impl Energies {
         total
     }
 
-    /// Adds `∂²E/∂x² p` (N, for a displacement `p` in m) to `out`, without a matrix.
+    /// Adds `∂²E/∂x² p` (N) at x (m), for displacements `p` (m), to `out`, without a matrix.
+    ///
+    /// # Panics
+    /// If a list does not have one entry per vertex.
     pub fn add_hessian_product(
         &self,
         x: &[Vec3],
@@ -320,9 +337,16 @@ impl Energies {
         convexity: Convexity,
         out: &mut [Vec3],
     ) {
+        for list in [x, p, &*out] {
+            self.check_length(list);
+        }
         for family in &self.families {
             family.add_hessian_product(x, p, convexity, out);
         }
+    }
+
+    fn check_length(&self, list: &[Vec3]) {
+        assert_eq!(list.len(), self.vertex_count, "one entry per vertex");
     }
 
     /// Visits the vertex of every element that has only one, and so ties it to a place.
@@ -399,11 +423,12 @@ impl Energies {
     /// The same for an approximation with fewer blocks, for preconditioners: pairs of vertices that only elements of
     /// more than three vertices couple, the wing tips of hinges, are *lumped*. Their block is added to the diagonal
     /// blocks of both vertices instead: `x₂ᵀB x₃` becomes `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`, which is the same for a translation
-    /// and no less for any other displacement if `B` is positive semi-definite. A vertex that has no other elements
-    /// keeps its pairs. Elements with [numerical eigenvalues](crate::element::Element::HAS_NUMERICAL_EIGENVALUES) are
-    /// taken by [`Convexity::GaussNewton`], whatever is asked for: the eigenvalues of dihedral hinges take five times
-    /// as long as the rest of an implicit step, which has as many iterations without (a sheet of 32 × 32 vertices, from
-    /// 10⁻⁷ to 10⁻³ N·m).
+    /// and no less for any other displacement if `B` is positive semi-definite. If it is not, its symmetric part is
+    /// raised by a multiple of the identity that makes it so where its rank is one or two. A vertex that has no other
+    /// elements keeps its pairs. Elements with [numerical
+    /// eigenvalues](crate::element::Element::HAS_NUMERICAL_EIGENVALUES) are taken by [`Convexity::GaussNewton`],
+    /// whatever is asked for: the eigenvalues of dihedral hinges take five times as long as the rest of an implicit
+    /// step, which has as many iterations without (a sheet of 32 × 32 vertices, from 10⁻⁷ to 10⁻³ N·m).
     #[must_use]
     pub fn lumped_assembly(&self) -> Assembly {
         let mut builder = PatternBuilder::new(self.vertex_count);
@@ -489,25 +514,27 @@ impl Energies {
     }
 }
 
-/// Whether every element names vertices that exist.
+/// Whether every element names vertices that exist, and none twice.
 ///
 /// # Errors
-/// [`BuildError::NoSuchVertex`] for the first that does not.
+/// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] for the first that does not.
 pub fn check_vertices<const N: usize, E: crate::element::Element<N>>(
     elements: &[E],
     vertex_count: usize,
 ) -> Result<(), BuildError> {
     for (element, stencil) in elements.iter().enumerate() {
-        if let Some(vertex) = stencil
-            .vertices()
-            .into_iter()
-            .find(|&v| v as usize >= vertex_count)
-        {
-            return Err(BuildError::NoSuchVertex {
-                element,
-                vertex,
-                vertex_count,
-            });
+        let vertices = stencil.vertices();
+        for (corner, &vertex) in vertices.iter().enumerate() {
+            if vertex as usize >= vertex_count {
+                return Err(BuildError::NoSuchVertex {
+                    element,
+                    vertex,
+                    vertex_count,
+                });
+            }
+            if vertices[..corner].contains(&vertex) {
+                return Err(BuildError::RepeatedVertex { element, vertex });
+            }
         }
     }
     Ok(())

@@ -12,7 +12,7 @@
 //! | `x ← (D + L)⁻¹ r`, `x ← x + (D + Lᵀ)⁻¹(r − A x)` | smoothing before and after | `level` |
 //! | `A x = r` | the coarsest level | `coarsest` |
 //! | `w = b (1 + β·(r − m))` | weights of P, exact for linear functions | `weights` |
-//! | lengths of ways over the cloth | links of the coarse vertices of a mesh | [`coarse_levels`] |
+//! | lengths of geodesics over the cloth | links of the coarse vertices of a mesh | [`coarse_levels`] |
 //!
 //! Why `Pᵀ A P`: to solve `A x = b` with a symmetric positive definite A is to minimise `½ xᵀA x − bᵀx`. The correction
 //! of the form `P y` that makes this least at `x + P y` solves `Pᵀ A P y = Pᵀ(b − A x)`. So the coarse operator and the

@@ -37,8 +37,8 @@ pub fn removable_edges(mesh: &TriMesh, edges: &EdgeTable) -> Vec<u32> {
     let inner = (0..edges.len()).filter(|&edge| !edges.is_boundary(edge));
     let mut ordered: Vec<(u64, u32, u32)> = inner
         .map(|edge| {
-            let share = |t: u32| squared[edge] / longest[t as usize];
-            let [first, second] = edges.sides()[edge].map(share);
+            let relative = |t: u32| squared[edge] / longest[t as usize];
+            let [first, second] = edges.sides()[edge].map(relative);
             // Rounded, so that equal lengths are equal whatever their last bits.
             let shortfall = ((1.0 - first.min(second)) * 1e9).round() as u64;
             (shortfall, scrambled(edge as u32), edge as u32)

@@ -207,3 +207,21 @@ fn choices_that_do_not_fit_are_refused() {
         assert!(words.contains(word), "{words}");
     }
 }
+
+/// The rim stands for half a cell: the whole k on it is k/n too much, with n cells across the pull.
+#[test]
+fn equal_springs_up_to_the_rim_are_stiffer_along_it_by_k_over_n() {
+    let (mesh, strain) = (sheet(Diagonals::Alternating), 1e-5);
+    let stiffness = |membrane| {
+        let model = Cloth { membrane, ..COTTON }.on(&mesh).unwrap();
+        let pull = |p: &Vec3| Vec3::new(p.x * (1.0 + strain), p.y, 0.0);
+        2.0 * stored(&model, &mesh, pull) / (strain * strain) / 1e3
+    };
+    let half = stiffness(Membrane::Modulus(1e3 * 4.0 / 3.0));
+    assert!((half / 1.5 - 1.0).abs() < 3.0 * strain, "{half}");
+    let whole = stiffness(Membrane::SpringStiffness(1e3));
+    assert!(
+        (whole / (1.5 + 1.0 / 8.0) - 1.0).abs() < 3.0 * strain,
+        "{whole}"
+    );
+}

@@ -1,4 +1,4 @@
-//! From a description in SI units to masses, elements and yardsticks.
+//! From a description in SI units to masses, elements and measures.
 
 use cloth_core::cloth::{Cloth, ClothError, Membrane};
 use cloth_core::element::Energy;
@@ -154,12 +154,12 @@ fn masses_and_pins_are_checked() {
 fn a_pin_is_steered_to_where_its_path_will_be() {
     let mut particles = Particles::new(vec![1.0; 2]).unwrap();
     let mut pins = Pins::new();
-    pins.follow(&mut particles, 1, |t| Vec3::new(t * t, 0.0, 3.0))
+    pins.add_path(&mut particles, 1, |t| Vec3::new(t * t, 0.0, 3.0))
         .unwrap();
-    assert!(pins.follow(&mut particles, 2, |_| Vec3::zeros()).is_err());
+    assert!(pins.add_path(&mut particles, 2, |_| Vec3::zeros()).is_err());
     let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::new(0.25, 0.0, 3.0)]);
     state.time = 0.5;
-    pins.steer(&mut state, 0.5);
+    pins.set_velocities(&mut state, 0.5);
     assert_eq!(state.velocities, [Vec3::zeros(), Vec3::new(1.5, 0.0, 0.0)]);
 }
 

@@ -4,7 +4,7 @@ use cloth_core::cloth::{
     Cloth, ClothError, ClothModel, CoarseMembrane, Discretization, Elements, Membrane,
     MembraneCarrier, SpringEdges, SpringLaw,
 };
-use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, disk, equilateral, grid, irregular, tube};
@@ -169,7 +169,7 @@ fn the_links_leave_most_coordinates_free() {
         tube(16, 16, 0.2, 1.0).unwrap(),
         disk(8, 0.5).unwrap(),
     ] {
-        let x = bent(mesh.positions());
+        let x = perturbed(mesh.positions());
         let mut before = EdgeTable::build(&mesh).unwrap().len();
         for level in 1..=4 {
             let model = STIFF.discretized_with(&carried(level), &mesh).unwrap();

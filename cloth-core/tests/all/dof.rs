@@ -1,6 +1,6 @@
 //! Degrees of freedom: closed forms and a dense computation.
 
-use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{self, Diagonals};
@@ -41,7 +41,7 @@ fn eight_by_eight_cells_have_84_motions_flat_and_35_bent() {
     assert_eq!(topology.count_3v_e, 35);
     assert_eq!(flat.nullity, 84);
     assert_eq!(flat.self_stresses, 49);
-    let (_, curved) = measured(&mesh, &bent(mesh.positions()));
+    let (_, curved) = measured(&mesh, &perturbed(mesh.positions()));
     assert_eq!(curved.nullity, 35);
     assert_eq!(curved.self_stresses, 0);
 }
@@ -63,7 +63,7 @@ fn a_flat_sheet_keeps_one_motion_per_vertex_and_three_more() {
             flat.self_stresses, inner,
             "one self-stress per inner vertex"
         );
-        let (_, curved) = measured(&mesh, &bent(mesh.positions()));
+        let (_, curved) = measured(&mesh, &perturbed(mesh.positions()));
         assert_eq!(curved.nullity as i64, topology.count_3v_e);
     }
 }
@@ -79,7 +79,7 @@ fn the_rank_agrees_with_a_dense_singular_value_decomposition() {
     ];
     for mesh in meshes {
         let edges = EdgeTable::build(&mesh).unwrap();
-        for positions in [mesh.positions().to_vec(), bent(mesh.positions())] {
+        for positions in [mesh.positions().to_vec(), perturbed(mesh.positions())] {
             let sparse = EdgeRank::measure(&positions, &edges).unwrap();
             let (rank, smallest) = dense(&positions, &edges);
             assert_eq!(sparse.rank, rank);
@@ -143,7 +143,7 @@ fn the_formula_holds_on_every_kind_of_surface() {
         ),
     ] {
         let edges = EdgeTable::build(&mesh).unwrap();
-        let curved = bent(mesh.positions());
+        let curved = perturbed(mesh.positions());
         let (topology, rank) = measured(&mesh, &curved);
         assert_eq!(
             (topology.euler, topology.boundary_edges),
@@ -217,7 +217,7 @@ fn the_weakest_condition_is_told_from_others_nearly_as_weak() {
 #[test]
 fn twenty_thousand_jittered_vertices_have_the_freedom_of_their_boundary() {
     let mesh = generate::irregular(142, 1.0, 1.0, 1).unwrap();
-    let (topology, rank) = measured(&mesh, &bent(mesh.positions()));
+    let (topology, rank) = measured(&mesh, &perturbed(mesh.positions()));
     assert!(topology.vertices > 20_000);
     assert_eq!(rank.nullity as i64, topology.count_3v_e);
     assert_eq!(rank.self_stresses, 0);

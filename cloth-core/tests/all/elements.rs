@@ -4,6 +4,8 @@ use cloth_core::check;
 use cloth_core::element::{Constraint, Convexity, Element, Energy};
 use cloth_core::energy::{Attachment, CurvatureHinge, Spring};
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::method::family::Energies;
+use cloth_core::step::BuildError;
 
 /// Deterministic numbers in (−1, 1).
 fn noise(index: usize) -> Vec3 {
@@ -247,4 +249,17 @@ fn an_isometric_fold_by_theta_has_the_length_of_the_formula() {
             "{theta}: {z} against {expected}"
         );
     }
+}
+
+#[test]
+fn an_element_that_names_a_vertex_twice_is_refused() {
+    // Its Hessian has a block beside the diagonal that belongs on it, and with its transpose.
+    let hinge = CurvatureHinge::new([0, 1, 2, 0], &FLAT, 2.5);
+    let refused = Energies::new(4).with(vec![hinge]).unwrap_err();
+    let (element, vertex) = (0, 0);
+    assert_eq!(refused, BuildError::RepeatedVertex { element, vertex });
+    let spring = |vertices| Spring { vertices, ..SPRING };
+    let springs = vec![spring([0, 1]), spring([1, 1])];
+    let refused = Energies::new(2).with(springs).unwrap_err();
+    assert_eq!(refused.to_string(), "element 1 names vertex 1 twice");
 }

@@ -254,7 +254,7 @@ fn pins_hold_to_the_last_bit_and_moving_ones_follow_their_path() {
     particles.prescribe(0).unwrap();
     let mut pins = Pins::new();
     let path = |t: Real| Vec3::new(1.0 - 0.2 * t, 0.1 * t * t, (3.0 * t).sin() * 0.1);
-    pins.follow(&mut particles, 8, path).unwrap();
+    pins.add_path(&mut particles, 8, path).unwrap();
     let settings = TestSettings {
         substeps: 3,
         ..TestSettings::default()
@@ -268,7 +268,7 @@ fn pins_hold_to_the_last_bit_and_moving_ones_follow_their_path() {
     state.positions[8] = path(0.0);
     let held = state.positions[0];
     for _ in 0..50 {
-        pins.steer(&mut state, 0.01);
+        pins.set_velocities(&mut state, 0.01);
         let velocity = state.velocities[8];
         solver
             .step(&mut state, StepInput::new(0.01).gravity(GRAVITY))

@@ -4,7 +4,7 @@ use cloth_core::cloth::{
     BendingCarrier, Cloth, ClothError, ClothModel, Discretization, Elements, Membrane,
     MembraneCarrier, SpringEdges, SpringLaw,
 };
-use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_core::element::{Convexity, Energy};
 use cloth_core::energy::CurvatureHinge;
 use cloth_core::math::{Real, Vec3, gather};
@@ -229,7 +229,7 @@ fn quads_have_a_third_of_the_coordinates_free() {
                 .all(|s| (s.rest_length - cell).abs() < 1e-12)
         );
         let ends: Vec<[u32; 2]> = model.springs.iter().map(|s| s.vertices).collect();
-        let rank = EdgeRank::of_pairs(&bent(mesh.positions()), &ends).unwrap();
+        let rank = EdgeRank::of_pairs(&perturbed(mesh.positions()), &ends).unwrap();
         assert_eq!(rank.nullity, 3 * n * n - 2 * n * (n - 1));
     }
 }
@@ -284,7 +284,7 @@ fn midpoints_have_e_and_e_b_motions() {
         let sides = EdgeTable::build(small.mesh()).unwrap();
         assert_eq!(small.mesh().vertex_count(), topology.edges);
         assert_eq!(sides.len(), 3 * topology.faces);
-        let x = small.between(&bent(mesh.positions()));
+        let x = small.between(&perturbed(mesh.positions()));
         let rank = EdgeRank::measure(&x, &sides).unwrap();
         assert_eq!(rank.nullity, topology.edges + topology.boundary_edges);
         assert_eq!(rank.self_stresses, 0);
@@ -295,7 +295,7 @@ fn midpoints_have_e_and_e_b_motions() {
 #[test]
 fn midpoints_of_vertices_store_the_energy_of_the_vertices() {
     for mesh in sheets() {
-        let x = bent(mesh.positions());
+        let x = perturbed(mesh.positions());
         for membrane in [
             MembraneCarrier::Springs,
             MembraneCarrier::Stvk { poisson_ratio: 0.3 },
@@ -446,7 +446,7 @@ fn relief_that_does_not_fit_is_refused_with_numbers() {
     assert_eq!(
         refused(too_many),
         ClothError::DofFraction {
-            share: 0.5,
+            fraction: 0.5,
             most: 19.0 / 75.0 + 16.0 / 75.0
         }
     );

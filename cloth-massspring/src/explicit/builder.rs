@@ -51,8 +51,8 @@ impl<S> ExplicitBuilder<S> {
     /// Builds the solver.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have;
-    /// [`BuildError::OutOfRange`].
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
+    /// do not have, or one twice; [`BuildError::OutOfRange`].
     pub fn build(self) -> Result<S, BuildError> {
         self.config.check()?;
         Ok((self.finish)(Model {

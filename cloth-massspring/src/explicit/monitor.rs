@@ -1,9 +1,10 @@
 //! Notices that a run is unstable before its numbers are nonsense.
 //!
 //! Two signs. The step is beyond the stable one: known before any harm is done, but only as well as the last estimate
-//! still holds. Or the cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W`, with `W` the work of
+//! still holds. Or the cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W − E`, with `W` the work of
 //! gravity, load, pins and moving bodies; exact solutions obey, and a run that breaks it by a large factor has blown
-//! up, whatever the reason.
+//! up, whatever the reason. Sums of squares are at least 0, and E is left out where it is; the cubic shell has no least
+//! energy, and where E is negative it counts. A run that a cubic shell tears apart ends when its numbers overflow.
 //!
 //! The account goes on where contact has changed the end of a step. Contact with what does not move takes energy or
 //! leaves it, so all that contact is credited with is the work of bodies ([`ContactSource::work`]): stretch that it
@@ -13,7 +14,7 @@ use super::{EnergyBalance, Failure, Model};
 use crate::stability::Spectrum;
 use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::measure::kinetic_energy;
+use cloth_core::measure::{kinetic_energy, rounding_energy};
 use cloth_core::particles::Particles;
 
 /// Substeps after which the estimate is made anew.
@@ -25,8 +26,6 @@ const GROWTH: Real = 4.0;
 /// In a stable run of symplectic Euler an oscillation can show `(2 + z)/(2 − z)` times its least energy: 100 is reached
 /// at `z` = 1.96.
 const GAIN: Real = 100.0;
-/// Motion in one substep, relative to the size of the coordinates, that rounding may have made.
-const ROUNDING: Real = 1e-10;
 /// Margin of the comparison with the limit, for a step that was computed to be equal to it.
 const EQUAL: Real = 1.0 + 1e-12;
 
@@ -40,8 +39,9 @@ pub(super) struct StabilityMonitor {
     age: Option<u32>,
     /// Largest kinetic energy (J) that the estimate has been made for.
     kinetic: Real,
-    /// `(K + E)₀ + W` (J), and the largest value it has had.
+    /// `(K + E)₀ + W` (J).
     given: Real,
+    /// The largest value it has had, with what elements of negative energy have given (J).
     most_given: Real,
     /// The state as the last step left it, in two numbers.
     left: Option<[Real; 2]>,
@@ -96,7 +96,11 @@ impl StabilityMonitor {
             self.most_given = self.most_given.max(self.given);
             // Springs may have been stretched.
             self.age = None;
-            self.check(kinetic_energy(&model.particles, velocities))?;
+            self.check(
+                model,
+                positions,
+                kinetic_energy(&model.particles, velocities),
+            )?;
         }
         self.left = Some(fingerprint(&model.particles, positions, velocities));
         Ok(())
@@ -124,8 +128,7 @@ impl StabilityMonitor {
             // Energy that rounding can put in, so that a cloth at rest does not raise the alarm.
             let size = positions.iter().map(Vec3::amax).fold(0.0, Real::max);
             let mass: Real = particles.mass().iter().sum();
-            let noise = 0.5 * mass * (ROUNDING * size / dt).powi(2);
-            self.most_given = self.most_given.max(noise);
+            self.most_given = self.most_given.max(rounding_energy(mass, size, dt));
         }
         match self.limit {
             Some(limit) if dt > limit * EQUAL => Err(Failure::TooLarge),
@@ -133,9 +136,11 @@ impl StabilityMonitor {
         }
     }
 
-    /// Enters what a substep did into the account, and checks it if it `is_complete`.
+    /// Enters what a substep to these positions (m) did into the account, and checks it if it `is_complete`.
     pub(super) fn account(
         &mut self,
+        model: &Model,
+        positions: &[Vec3],
         balance: &EnergyBalance,
         is_complete: bool,
     ) -> Result<(), Failure> {
@@ -147,13 +152,17 @@ impl StabilityMonitor {
             self.age = None;
         }
         if is_complete {
-            self.check(balance.kinetic)?;
+            self.check(model, positions, balance.kinetic)?;
         }
         Ok(())
     }
 
-    /// Whether a kinetic energy (J) can come from what was given.
-    fn check(&self, kinetic: Real) -> Result<(), Failure> {
+    /// Whether a kinetic energy (J) at these positions (m) can come from what was given.
+    fn check(&mut self, model: &Model, positions: &[Vec3], kinetic: Real) -> Result<(), Failure> {
+        if kinetic > GAIN * self.most_given {
+            let stored = model.energies.value(positions);
+            self.most_given = self.most_given.max(self.given - stored.min(0.0));
+        }
         if kinetic > GAIN * self.most_given {
             return Err(Failure::Gain {
                 kinetic,

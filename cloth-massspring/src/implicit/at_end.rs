@@ -25,16 +25,16 @@ pub(super) struct AtEnd<'a> {
     pub(super) contact: &'a mut dyn ContactPotential,
     /// x[0] (m).
     pub(super) start: &'a [Vec3],
-    pub(super) room: &'a mut Room,
+    pub(super) memory: &'a mut EndContactMemory,
 }
 
-/// What contact at the end of a step leaves to the next, and room.
+/// What contact at the end of a step leaves to the next, and buffers.
 #[derive(Debug, Default)]
-pub(super) struct Room {
+pub(super) struct EndContactMemory {
     /// Gradients (N) of contact at the ends of the last two steps, and what of them lasts.
     last: [Vec<Vec3>; 2],
     lasting: Vec<Vec3>,
-    /// For the ends of a way (m), and for a gradient (N).
+    /// For the ends of a path (m), and for a gradient (N).
     ends: [Vec<Vec3>; 2],
     shared: Mutex<[Vec<Vec3>; 2]>,
 }
@@ -48,7 +48,7 @@ fn lasting(now: Vec3, before: Vec3) -> Vec3 {
     now * (common / now.norm_squared()).min(1.0)
 }
 
-impl Room {
+impl EndContactMemory {
     /// Takes the force of the last step's contact, of which there is none if the cloth has come from elsewhere, into
     /// the goal (m) of a stage that spans s (s).
     pub(super) fn go_on(
@@ -112,20 +112,20 @@ impl AtEnd<'_> {
 
 impl ContactPotential for AtEnd<'_> {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        let mut ends = std::mem::take(&mut self.room.ends[0]);
+        let mut ends = std::mem::take(&mut self.memory.ends[0]);
         let wanted = self.ends(start, &mut ends);
         let begun = self.contact.begin(step, wanted);
         self.middles(wanted, start);
-        self.room.ends[0] = ends;
+        self.memory.ends[0] = ends;
         begun
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let [mut a, mut b] = std::mem::take(&mut self.room.ends);
+        let [mut a, mut b] = std::mem::take(&mut self.memory.ends);
         let part = self
             .contact
             .limit(self.ends(from, &mut a), self.ends(to, &mut b));
-        self.room.ends = [a, b];
+        self.memory.ends = [a, b];
         part
     }
 
@@ -135,17 +135,17 @@ impl ContactPotential for AtEnd<'_> {
         to: &mut [Vec3],
         parts: &mut [Real],
     ) -> Result<(), ContactError> {
-        let [mut a, mut b] = std::mem::take(&mut self.room.ends);
+        let [mut a, mut b] = std::mem::take(&mut self.memory.ends);
         self.ends(from, &mut a);
         let ends = self.ends(to, &mut b);
         let limited = self.contact.limit_each(&a, ends, parts);
         self.middles(ends, to);
-        self.room.ends = [a, b];
+        self.memory.ends = [a, b];
         limited
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let shared = self.room.shared.lock();
+        let shared = self.memory.shared.lock();
         let [ends, gradient] = &mut *shared.unwrap_or_else(PoisonError::into_inner);
         gradient.clear();
         gradient.resize(x.len(), Vec3::zeros());
@@ -158,7 +158,7 @@ impl ContactPotential for AtEnd<'_> {
 
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
         let first = out.len();
-        let shared = self.room.shared.lock();
+        let shared = self.memory.shared.lock();
         let [ends, _] = &mut *shared.unwrap_or_else(PoisonError::into_inner);
         self.contact.linearize(self.ends(x, ends), out);
         out[first..].iter_mut().for_each(|row| row.stiffness *= 4.0);
@@ -166,7 +166,7 @@ impl ContactPotential for AtEnd<'_> {
 
     fn linearize_globally(&self, x: &[Vec3], out: &mut GlobalRows) {
         let first = out.rows().len();
-        let shared = self.room.shared.lock();
+        let shared = self.memory.shared.lock();
         let [ends, _] = &mut *shared.unwrap_or_else(PoisonError::into_inner);
         self.contact.linearize_globally(self.ends(x, ends), out);
         let own = &mut out.rows_mut()[first..];
@@ -174,8 +174,8 @@ impl ContactPotential for AtEnd<'_> {
     }
 
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
-        let mut ends = std::mem::take(&mut self.room.ends[0]);
+        let mut ends = std::mem::take(&mut self.memory.ends[0]);
         self.contact.end(self.ends(x, &mut ends), v);
-        self.room.ends[0] = ends;
+        self.memory.ends[0] = ends;
     }
 }

@@ -36,7 +36,8 @@ const JUMP: Real = 0.1;
 
 /// BDF2: second order, stable for any step, and much less damped than [`ImplicitEuler`](crate::ImplicitEuler).
 ///
-/// An oscillation ω changes by `λ = 1/(2 − √(1 + 2iz))` a step, `z = Δt ω`: for small `z` it shrinks by `z⁴/4`, where
+/// An oscillation ω changes by `λ = 1/(2 − √(1 + 2iz))` a step, `z = Δt ω`, a root of `(3 − 2iz) λ² − 4 λ + 1 = 0`: for
+/// small `z` it shrinks by `z⁴/4`, where
 /// implicit Euler takes `z²/2`; for large `z` it goes like `1/√(2z)`, so that stiff modes still die out. Linear
 /// momentum is kept as in [`ImplicitEuler`](crate::ImplicitEuler), angular momentum is not.
 ///

@@ -1,7 +1,7 @@
 //! From a description to a solver.
 
 use super::Implicit;
-use super::at_end::Room;
+use super::at_end::EndContactMemory;
 use super::damper::Damper;
 use super::minimizer::Minimizer;
 use crate::config::ImplicitConfig;
@@ -86,10 +86,7 @@ impl<S> ImplicitBuilder<S> {
     ///
     ///     fn hessian(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
     ///         let [(a, m), (b, n)] = parts(x);
-    ///         let tension = match convexity {
-    ///             Convexity::GaussNewton => 0.0,
-    ///             _ => convexity.applied_to(self.tension(x)),
-    ///         };
+    ///         let tension = convexity.applied_to(self.tension(x));
     ///         let across = |n: Vec3, length: f64| (Mat3::identity() - n * n.transpose()) * (tension / length);
     ///         let (p, q, zero) = (across(m, a), across(n, b), Mat3::zeros());
     ///         let mut sum = [[p, -p, zero], [-p, p + q, -q], [zero, -q, q]];
@@ -112,45 +109,7 @@ impl<S> ImplicitBuilder<S> {
     /// }
     /// ```
     ///
-    /// The same by its rows, for an element of one vertex:
-    ///
-    /// ```
-    /// use cloth_massspring::cloth_core::check::gradient_error;
-    /// use cloth_massspring::cloth_core::element::{Constraint, Element, Row};
-    /// use cloth_massspring::{ImplicitConfig, ImplicitEuler, Particles, State, StepInput, Stepper, Vec3};
-    ///
-    /// /// Pulls a vertex to a plane through the origin: `C = n·x` (m).
-    /// #[derive(Clone, Copy, Debug)]
-    /// struct NearPlane { vertex: u32, normal: Vec3, stiffness: f64 }
-    ///
-    /// impl Element<1> for NearPlane {
-    ///     fn vertices(&self) -> [u32; 1] {
-    ///         [self.vertex]
-    ///     }
-    /// }
-    ///
-    /// impl Constraint<1> for NearPlane {
-    ///     type Rows = [Row<1>; 1];
-    ///
-    ///     fn rows(&self, [x]: &[Vec3; 1]) -> [Row<1>; 1] {
-    ///         [Row { value: self.normal.dot(x), gradient: [self.normal], stiffness: self.stiffness }]
-    ///     }
-    /// }
-    ///
-    /// let plane = NearPlane { vertex: 0, normal: Vec3::y(), stiffness: 50.0 };
-    /// // First of all: gradients against finite differences.
-    /// assert!(gradient_error(&plane, &[Vec3::new(0.3, -0.2, 1.0)], 1.0) < 1e-9);
-    /// let particles = Particles::new(vec![0.5])?;
-    /// let mut solver = ImplicitEuler::builder(&particles)
-    ///     .energy(vec![plane])
-    ///     .config(ImplicitConfig { tolerance: 1e-12, ..ImplicitConfig::default() })
-    ///     .build()?;
-    /// let mut state = State::at_rest(vec![Vec3::new(0.3, 0.2, 0.0)]);
-    /// solver.step(&mut state, StepInput::new(0.1))?;
-    /// // Implicit Euler in closed form: y/(1 + k Δt²/m).
-    /// assert!((state.positions[0] - Vec3::new(0.3, 0.1, 0.0)).norm() < 1e-12);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
+    /// The same by its rows, for an element of one vertex: [`cloth_core::element`].
     #[must_use]
     pub fn energy<const N: usize, E: Energy<N>>(mut self, elements: Vec<E>) -> Self {
         self.energies = self.energies.and_then(|sum| sum.with(elements));
@@ -175,8 +134,9 @@ impl<S> ImplicitBuilder<S> {
     /// step begins with.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have;
-    /// [`BuildError::OutOfRange`], [`BuildError::SettingsConflict`], [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
+    /// do not have, or one twice; [`BuildError::OutOfRange`], [`BuildError::SettingsConflict`],
+    /// [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<S, BuildError> {
         self.config.check()?;
         let energies = self.energies?;
@@ -191,7 +151,7 @@ impl<S> ImplicitBuilder<S> {
             predicted: zeros.clone(),
             before: (zeros, 0.0),
             damper,
-            room: Room::default(),
+            end_contact: EndContactMemory::default(),
             particles: self.particles,
             energies,
             config: self.config,

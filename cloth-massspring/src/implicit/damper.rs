@@ -6,8 +6,8 @@
 //! β/(2τ) (x − x_b)ᵀ K (x − x_b)
 //! ```
 //!
-//! as long as `K` does not depend on `x`. It is therefore taken where the stage would end by inertia, which is
-//! away from the solution by the square of the step: an integrator of second order stays one.
+//! as long as `K` does not depend on `x`. It is therefore taken where uniform motion would end, at `x_b + τ v_b`,
+//! which is away from the solution by the square of the step: an integrator of second order stays one.
 
 use cloth_core::element::Convexity;
 use cloth_core::math::{Mat3, Real, Vec3};

@@ -54,7 +54,7 @@ impl Unconstrained {
     }
 
     /// Shifts each component at an evaluated point to the minimum along its translations, and its gradient with it.
-    pub(super) fn settle(&self, stage: &Stage<'_>, point: &mut Point) {
+    pub(super) fn restore_momentum(&self, stage: &Stage<'_>, point: &mut Point) {
         for component in &self.components {
             shift_to_minimum(component.iter().copied(), stage, point);
         }
@@ -62,7 +62,7 @@ impl Unconstrained {
 
     /// The same for components that touch each other and nothing else: all of them are shifted as one. If something
     /// holds a vertex nothing is done.
-    pub(super) fn settle_together(&self, stage: &Stage<'_>, point: &mut Point) {
+    pub(super) fn restore_momentum_together(&self, stage: &Stage<'_>, point: &mut Point) {
         let count: usize = self.components.iter().map(Vec::len).sum();
         if count == point.positions.len() {
             shift_to_minimum(0..count as u32, stage, point);

@@ -66,7 +66,7 @@ impl GlobalTerms {
         }
     }
 
-    /// Makes of `z = P r` what the parts that there are so far make of it.
+    /// Applies the Sherman–Morrison corrections of the rows so far to `z = P r`.
     pub(super) fn correct(&self, z: &mut [Vec3]) {
         let parts = self.rows.rows().iter().zip(&self.solved);
         for ((row, solved), weight) in parts.zip(&self.weights) {

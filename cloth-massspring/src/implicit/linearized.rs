@@ -17,23 +17,23 @@ pub(super) struct Linearized<'a> {
     at: &'a Point,
     /// H (N/m).
     matrix: &'a BlockMatrix,
-    /// Room for p (m).
-    way: Mutex<Vec<Vec3>>,
+    /// Buffer for p (m).
+    displacement: Mutex<Vec<Vec3>>,
 }
 
 impl<'a> Linearized<'a> {
-    /// At an evaluated point, with the matrix (N/m) there. `way` is room for one vector per vertex.
-    pub(super) fn new(at: &'a Point, matrix: &'a BlockMatrix, way: Vec<Vec3>) -> Self {
+    /// At an evaluated point, with the matrix (N/m) there. `displacement` is a buffer of one vector per vertex.
+    pub(super) fn new(at: &'a Point, matrix: &'a BlockMatrix, displacement: Vec<Vec3>) -> Self {
         Self {
             at,
             matrix,
-            way: Mutex::new(way),
+            displacement: Mutex::new(displacement),
         }
     }
 
-    /// Gives the room back.
-    pub(super) fn into_room(self) -> Vec<Vec3> {
-        self.way
+    /// Gives the buffer back.
+    pub(super) fn into_buffer(self) -> Vec<Vec3> {
+        self.displacement
             .into_inner()
             .unwrap_or_else(PoisonError::into_inner)
     }
@@ -45,15 +45,18 @@ impl<'a> Linearized<'a> {
 
     /// The function (J), zero at the place; writes its gradient (N) to `out`.
     pub(super) fn gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let mut way = self.way.lock().unwrap_or_else(PoisonError::into_inner);
-        for ((way, x), at) in way.iter_mut().zip(x).zip(&self.at.positions) {
-            *way = x - at;
+        let mut displacement = self
+            .displacement
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        for ((displacement, x), at) in displacement.iter_mut().zip(x).zip(&self.at.positions) {
+            *displacement = x - at;
         }
-        self.matrix.multiply(&way, out);
-        let bent = 0.5 * dot(&way, out);
+        self.matrix.multiply(&displacement, out);
+        let quadratic = 0.5 * dot(&displacement, out);
         for (out, gradient) in out.iter_mut().zip(&self.at.gradient) {
             *out += gradient;
         }
-        bent + dot(&way, &self.at.gradient)
+        quadratic + dot(&displacement, &self.at.gradient)
     }
 }

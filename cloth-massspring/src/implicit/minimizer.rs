@@ -224,7 +224,7 @@ impl Minimizer {
     }
 
     /// Shows an observer where an iteration has come to.
-    fn tell(&self, observer: &mut Option<&mut dyn Observer>, iteration: u32) {
+    fn notify(&self, observer: &mut Option<&mut dyn Observer>, iteration: u32) {
         if let Some(observer) = observer.as_deref_mut() {
             observer.iteration(iteration, &self.current.positions);
         }
@@ -242,7 +242,7 @@ impl Minimizer {
         let stage = &task.stage;
         // What touches something does not go where its momentum alone would take it.
         if contact.is_none() {
-            method.settle(stage, &mut self.current);
+            method.restore_momentum(stage, &mut self.current);
         }
         self.current.evaluate(&with(task, contact));
         self.first = self.current.value;
@@ -250,8 +250,8 @@ impl Minimizer {
             .fall_together(&mut method, task, contact)
             .and_then(|()| self.iterate(&mut method, task, contact, observer, report));
         match contact.as_deref() {
-            None => method.settle(stage, &mut self.current),
-            Some(contact) => method.settle_together(stage, contact, &mut self.current),
+            None => method.restore_momentum(stage, &mut self.current),
+            Some(contact) => method.restore_momentum_together(stage, contact, &mut self.current),
         }
         self.quasi_newton = Some(method);
         end
@@ -380,7 +380,7 @@ impl Minimizer {
             let (from, to) = (&self.current.gradient, &self.next.gradient);
             method.remember(length, &self.direction, from, to);
             std::mem::swap(&mut self.current, &mut self.next);
-            self.tell(observer, report.iterations);
+            self.notify(observer, report.iterations);
         }
     }
 
@@ -398,7 +398,7 @@ impl Minimizer {
         let (from, to) = (&self.current, &mut self.next);
         to.positions.copy_from_slice(&from.positions);
         to.gradient.copy_from_slice(&from.gradient);
-        method.settle_together(&task.stage, &**source, &mut self.next);
+        method.restore_momentum_together(&task.stage, &**source, &mut self.next);
         let limited = source.limit(&self.current.positions, &self.next.positions);
         if limited.map_err(|reason| task.refused(reason))? < 1.0 {
             return Ok(());

@@ -96,7 +96,7 @@ pub(super) fn solve_once(
         stage.gradient_into(&points.current.positions, &mut points.current.gradient);
         points.current.value = 0.0;
         points.gradient_norm(task)?;
-        system.settle_momentum(stage, &mut points.current);
+        system.restore_momentum(stage, &mut points.current);
         system.assemble(stage, &points.current.positions);
         factorize(points, system, task, report)?;
         solve(points, system, task, report)?;
@@ -104,7 +104,7 @@ pub(super) fn solve_once(
             *x += p;
         }
         // What an iterative solver left of it.
-        system.settle_momentum(stage, &mut points.current);
+        system.restore_momentum(stage, &mut points.current);
         Ok(())
     })
 }

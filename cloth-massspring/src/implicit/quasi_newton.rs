@@ -227,12 +227,12 @@ impl QuasiNewton {
     }
 
     /// Puts the momentum of unconstrained components right at an evaluated point.
-    pub(super) fn settle(&self, stage: &Stage<'_>, point: &mut Point) {
-        self.unconstrained.settle(stage, point);
+    pub(super) fn restore_momentum(&self, stage: &Stage<'_>, point: &mut Point) {
+        self.unconstrained.restore_momentum(stage, point);
     }
 
     /// The same where components touch each other, but nothing else.
-    pub(super) fn settle_together(
+    pub(super) fn restore_momentum_together(
         &mut self,
         stage: &Stage<'_>,
         contact: &dyn ContactPotential,
@@ -241,7 +241,7 @@ impl QuasiNewton {
         self.rows.clear();
         contact.linearize(&point.positions, &mut self.rows);
         if self.rows.iter().all(is_internal) {
-            self.unconstrained.settle_together(stage, point);
+            self.unconstrained.restore_momentum_together(stage, point);
         }
     }
 

@@ -58,7 +58,7 @@ impl Stage<'_> {
         self.potential.gradient_norm(gradient)
     }
 
-    /// Writes its second derivative (N/m) to `out`, the elastic part as a mixture of these shares.
+    /// Writes its second derivative (N/m) to `out`, the elastic part as a mixture by these weights.
     pub(super) fn hessian_into(
         &self,
         assembly: &Assembly,
@@ -68,8 +68,8 @@ impl Stage<'_> {
     ) {
         self.inertia_into(out);
         let energies = self.potential.energies;
-        for &(share, convexity) in parts {
-            energies.add_hessian(assembly, x, share, convexity, out);
+        for &(weight, convexity) in parts {
+            energies.add_hessian(assembly, x, weight, convexity, out);
         }
         if let Some(damper) = self.damper {
             damper.add_hessian(out);

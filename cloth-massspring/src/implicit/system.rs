@@ -224,8 +224,8 @@ impl NewtonSystem {
     }
 
     /// Puts the momentum of unconstrained components right at a point with its gradient.
-    pub(super) fn settle_momentum(&self, g: &Stage<'_>, point: &mut Point) {
-        self.unconstrained.settle(g, point);
+    pub(super) fn restore_momentum(&self, g: &Stage<'_>, point: &mut Point) {
+        self.unconstrained.restore_momentum(g, point);
     }
 
     /// Tries the exact Hessian at `x`.

@@ -198,11 +198,19 @@ fn dropping_the_indefinite_part_costs_the_quadratic_convergence() {
         };
         let (mut solver, mut state) = hanging(12, config);
         let mut iterations = 0;
-        for _ in 0..20 {
-            let report = solver
-                .step(&mut state, StepInput::new(DT).gravity(DOWN))
-                .unwrap();
-            iterations += report.iterations;
+        for step in 0..20 {
+            let (before, mut recorder) = (state.clone(), Recorder::default());
+            let input = StepInput::new(DT).gravity(DOWN).observer(&mut recorder);
+            iterations += solver.step(&mut state, input).unwrap().iterations;
+            if step == 9 {
+                let residual = |x: &Vec<Vec3>| {
+                    let norms = norms_of_hang(12, &before, x);
+                    norms.gradient / norms.predicted
+                };
+                let residuals = recorder.0.iter().map(residual);
+                let residuals: Vec<String> = residuals.map(|r| format!("{r:.0e}")).collect();
+                println!("{hessian:?}: {}", residuals.join(" "));
+            }
         }
         iterations
     };

@@ -145,7 +145,7 @@ fn driven_pins_do_not_spoil_the_second_order() {
         let (mut particles, springs, positions) = chain(2, 50.0);
         let mut pins = Pins::new();
         let path = |t: Real| Vec3::new(0.2 * (5.0 * t).sin(), 0.0, 0.1 * t * t);
-        pins.follow(&mut particles, 0, path).unwrap();
+        pins.add_path(&mut particles, 0, path).unwrap();
         let mut ends = Vec::new();
         for mut solver in [
             Box::new(solver!(
@@ -160,7 +160,7 @@ fn driven_pins_do_not_spoil_the_second_order() {
             state.velocities[0] = Vec3::x();
             let dt = 0.8 / Real::from(steps);
             for _ in 0..steps {
-                pins.steer(&mut state, dt);
+                pins.set_velocities(&mut state, dt);
                 solver
                     .step(&mut state, StepInput::new(dt).gravity(DOWN))
                     .unwrap();

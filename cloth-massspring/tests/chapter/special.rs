@@ -28,11 +28,11 @@ fn moving_pins_follow_their_path_and_keep_their_velocity() {
     let (mut particles, springs, positions) = chain(4, 1e3);
     let mut pins = Pins::new();
     let path = |time: f64| Vec3::new(time, 3.0 * time * time, 0.0);
-    pins.follow(&mut particles, 0, path).unwrap();
+    pins.add_path(&mut particles, 0, path).unwrap();
     for solver in &mut all(&particles, &springs) {
         let mut state = State::at_rest(positions.clone());
         for _ in 0..50 {
-            pins.steer(&mut state, 1e-3);
+            pins.set_velocities(&mut state, 1e-3);
             let velocity = state.velocities[0];
             solver
                 .step(&mut state, StepInput::new(1e-3).gravity(DOWN))

@@ -54,7 +54,8 @@ impl PbdBuilder {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`] for a setting outside its range; [`BuildError::NoSuchView`] for elements that are no
-    /// constraints; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
+    /// constraints; [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that
+    /// the particles do not have, or one twice.
     ///
     /// # Panics
     /// If an element of a coloured sweep names a vertex twice.

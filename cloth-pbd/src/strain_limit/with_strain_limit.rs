@@ -61,8 +61,8 @@ impl Stepper for WithStrainLimit {
         self.method.name()
     }
 
-    fn parts(&self) -> u32 {
-        self.method.parts()
+    fn preferred_substeps(&self) -> u32 {
+        self.method.preferred_substeps()
     }
 
     /// The method's report, converged only if the limiter is too.

@@ -194,7 +194,7 @@ fn a_dragged_pin_or_attachment_never_factorises() {
         let (mut model, mut state) = hanging(9, 1e4);
         let mut pins = Pins::new();
         let path = |t: Real| Vec3::new(0.5 + 0.2 * (9.0 * t).sin(), 0.5, 0.3 * t);
-        pins.follow(&mut model.particles, 40, path).unwrap();
+        pins.add_path(&mut model.particles, 40, path).unwrap();
         let rest = state.positions.clone();
         let mut solver = build(&model, &[], &rest, config);
         let id = solver
@@ -206,7 +206,7 @@ fn a_dragged_pin_or_attachment_never_factorises() {
             .unwrap();
         let mut factorizations = 0;
         for step in 0..100 {
-            pins.steer(&mut state, DT);
+            pins.set_velocities(&mut state, DT);
             let target = rest[4] + Vec3::z() * (0.001 * Real::from(step));
             solver.move_attachment(id, target).unwrap();
             let input = StepInput::new(DT).gravity(GRAVITY);

@@ -82,10 +82,10 @@ fn moving_pins_are_followed_and_keep_their_velocity() {
     let (mut model, mut state) = sheet(9, 1e3);
     let mut pins = Pins::new();
     let path = |t: Real| Vec3::new(0.3 * t, 1.0 + 0.2 * (5.0 * t).sin(), t);
-    pins.follow(&mut model.particles, 72, path).unwrap();
+    pins.add_path(&mut model.particles, 72, path).unwrap();
     let mut solver = solver(&model, iterations(5));
     for _ in 0..30 {
-        pins.steer(&mut state, DT);
+        pins.set_velocities(&mut state, DT);
         let velocity = state.velocities[72];
         let goal = state.positions[72] + velocity * DT;
         solver.step(&mut state, falling()).unwrap();

@@ -85,8 +85,8 @@ impl DirectBuilder {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have;
-    /// [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
+    /// do not have, or one twice; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<DirectXpbd, BuildError> {
         let config = self.config;
         check_counts(config.max_iterations, config.substeps)?;

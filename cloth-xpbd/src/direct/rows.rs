@@ -89,7 +89,7 @@ struct Family<const N: usize, E> {
 /// A boxed family of elements.
 ///
 /// # Errors
-/// [`BuildError::NoSuchVertex`].
+/// [`BuildError::NoSuchVertex`], [`BuildError::RepeatedVertex`].
 pub(super) fn family<const N: usize, E: Constraint<N>>(
     elements: Vec<E>,
     vertex_count: usize,

@@ -114,7 +114,8 @@ impl XpbdBuilder {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
+    /// do not have, or one twice.
     ///
     /// # Panics
     /// If an element of a coloured sweep names a vertex twice.

@@ -398,7 +398,7 @@ impl Stepper for VertexBlockDescent {
         "vbd"
     }
 
-    fn parts(&self) -> u32 {
+    fn preferred_substeps(&self) -> u32 {
         self.config.substeps
     }
 

@@ -201,7 +201,7 @@ impl Hold {
                 let (particles, start) = (&mut model.particles, positions[vertex]);
                 let path = move |time| motion.position(start, 0.0, time);
                 let held = match given {
-                    Some(_) => pins.follow(particles, vertex, path),
+                    Some(_) => pins.add_path(particles, vertex, path),
                     None => particles.prescribe(vertex),
                 };
                 held.map_err(|error| section.refuse_table(error))?;

@@ -151,7 +151,7 @@ fn slip(name: &str, turns: usize, friction: Real) -> Result<Measured, BenchError
         for ((end, way), pull) in ends.iter().zip(ways).zip([PULL, PULL * ratio]) {
             end.iter().for_each(|&v| load[v] = way * pull);
         }
-        let parts = stepper.parts();
+        let parts = stepper.preferred_substeps();
         for _ in 0..parts {
             let mut input = StepInput::new(scene.dt / Real::from(parts)).load(&load);
             if let Some(contacts) = &mut contacts {

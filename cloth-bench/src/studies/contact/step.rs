@@ -115,7 +115,7 @@ impl ContactProblem {
         for _ in 0..2 {
             let mut contacts = scene.contacts()?;
             let mut state = self.state.clone();
-            let parts = solver.parts();
+            let parts = solver.preferred_substeps();
             let mut iterations = 0;
             let started = Instant::now();
             for _ in 0..parts {

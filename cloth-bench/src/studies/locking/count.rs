@@ -2,7 +2,7 @@
 
 use crate::mesh_spec;
 use crate::studies::prelude::*;
-use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::{EdgeTable, Topology};
 
@@ -24,7 +24,7 @@ pub struct Locking {
     pub topology: Topology,
     /// At rest.
     pub flat: EdgeRank,
-    /// After [`bent`].
+    /// After [`perturbed`].
     pub bent: EdgeRank,
 }
 
@@ -38,7 +38,7 @@ impl Locking {
         Ok(Self {
             topology: Topology::of(mesh, &edges),
             flat: EdgeRank::measure(mesh.positions(), &edges)?,
-            bent: EdgeRank::measure(&bent(mesh.positions()), &edges)?,
+            bent: EdgeRank::measure(&perturbed(mesh.positions()), &edges)?,
         })
     }
 }

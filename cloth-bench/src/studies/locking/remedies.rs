@@ -5,7 +5,7 @@ use super::sheet::{KINDS, Kind, Sheet, square};
 use super::sweeps::RIGIDITY;
 use super::{cone, count};
 use crate::studies::prelude::*;
-use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 use std::time::Instant;
 
@@ -95,7 +95,7 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
     let sheet = |kind| Sheet::new(square(pattern, cells)?, kind, MODULUS, RIGIDITY);
     let [own, springs] = [sheet(kind)?, sheet(Kind::Springs)?];
     let conditions = own.conditions()?;
-    let rank = EdgeRank::of_pairs(&bent(&own.points), &conditions)?;
+    let rank = EdgeRank::of_pairs(&perturbed(&own.points), &conditions)?;
     let of_springs = resistances(&springs, cells)?;
     let mut resists = resistances(&own, cells)?;
     let both = resists.iter_mut().zip(of_springs);

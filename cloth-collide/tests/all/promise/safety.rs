@@ -298,7 +298,7 @@ fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
             let from = flight.positions.clone();
             flight.step(0.03).unwrap();
             let report = flight.contacts.constraint_report();
-            assert_eq!(flight.contacts.held(), report.shortened as usize);
+            assert_eq!(flight.contacts.truncated_count(), report.shortened as usize);
             held_steps += u32::from(report.zones > 0 && report.shortened > 0);
             let mut heights = flight.positions.iter().map(|x| x.z);
             assert!(heights.all(|z| -0.4 < z && z < 2.2), "seed {seed}");
@@ -328,11 +328,11 @@ fn what_is_held_after_a_minimised_step_is_of_that_step_alone() {
             };
             ContactPotential::begin(&mut contacts, &step, &mut x).unwrap();
             ContactPotential::end(&mut contacts, &x, &vec![Vec3::zeros(); x.len()]);
-            assert_eq!(contacts.held(), 0, "seed {seed}");
+            assert_eq!(contacts.truncated_count(), 0, "seed {seed}");
             let from = x.clone();
             x.iter_mut().for_each(|x| *x += random.point(30.0));
             contacts.keep_free(&from, &inverse_mass, &mut x).unwrap();
-            held += contacts.held();
+            held += contacts.truncated_count();
         }
     }
     assert!(held > 0);

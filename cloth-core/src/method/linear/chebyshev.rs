@@ -41,12 +41,12 @@ pub(super) struct Interval {
 
 impl Interval {
     pub(super) fn new(is_free: &[bool]) -> Result<Self, BuildError> {
-        let budget = StoppingCriteria {
+        let criteria = StoppingCriteria {
             tolerance: 1e-12,
             max_iterations: ESTIMATION,
         };
         Ok(Self {
-            estimator: ConjugateGradients::new(is_free, Preconditioner::BlockJacobi, budget)?,
+            estimator: ConjugateGradients::new(is_free, Preconditioner::BlockJacobi, criteria)?,
             noise: (0..is_free.len()).map(noise).collect(),
             scratch: vec![Vec3::zeros(); is_free.len()],
             bounds: [1.0, 1.0],
@@ -80,7 +80,7 @@ impl Interval {
 /// The solver and its vectors.
 #[derive(Debug)]
 pub struct ChebyshevJacobi {
-    budget: StoppingCriteria,
+    criteria: StoppingCriteria,
     given: Option<[Real; 2]>,
     interval: Interval,
     residual: Vec<Vec3>,
@@ -93,13 +93,13 @@ impl ChebyshevJacobi {
     /// of them.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`] for a budget or an interval out of range.
+    /// [`BuildError::OutOfRange`] for criteria or an interval out of range.
     pub fn new(
         is_free: &[bool],
         interval: Option<[Real; 2]>,
-        budget: StoppingCriteria,
+        criteria: StoppingCriteria,
     ) -> Result<Self, BuildError> {
-        budget.check()?;
+        criteria.check()?;
         if let Some([low, high]) = interval {
             let is_right = low > 0.0 && low <= high && high.is_finite();
             let range = "positive and not above the upper end, which is finite";
@@ -107,7 +107,7 @@ impl ChebyshevJacobi {
         }
         let zeros = vec![Vec3::zeros(); is_free.len()];
         Ok(Self {
-            budget,
+            criteria,
             given: interval,
             interval: Interval::new(is_free)?,
             residual: zeros.clone(),
@@ -145,8 +145,10 @@ impl LinearSolver for ChebyshevJacobi {
         // T_{k−1}/T_k at (b + a)/(b − a): zero before the first iteration, radius/center after it.
         let mut ratio = 0.0;
         for iteration in 0.. {
-            let verdict = self.budget.verdict(iteration, residual_squared, b_squared);
-            if let Some(result) = verdict {
+            let end = self
+                .criteria
+                .outcome(iteration, residual_squared, b_squared);
+            if let Some(result) = end {
                 return result;
             }
             let (keep, push) = match iteration {
@@ -173,6 +175,6 @@ impl LinearSolver for ChebyshevJacobi {
             }
             residual_squared = dot(&self.residual, &self.residual);
         }
-        unreachable!("the budget ends the loop")
+        unreachable!("the criteria end the loop")
     }
 }

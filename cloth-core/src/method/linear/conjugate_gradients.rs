@@ -26,7 +26,7 @@ pub enum Preconditioner {
 #[derive(Debug)]
 pub struct ConjugateGradients {
     preconditioner: Preconditioner,
-    budget: StoppingCriteria,
+    criteria: StoppingCriteria,
     diagonal: InverseDiagonal,
     residual: Vec<Vec3>,
     /// `D⁻¹` times the residual.
@@ -41,23 +41,23 @@ impl ConjugateGradients {
     /// A solver over the free vertices.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`] for a budget out of range.
+    /// [`BuildError::OutOfRange`] for criteria out of range.
     pub fn new(
         is_free: &[bool],
         preconditioner: Preconditioner,
-        budget: StoppingCriteria,
+        criteria: StoppingCriteria,
     ) -> Result<Self, BuildError> {
-        budget.check()?;
+        criteria.check()?;
         let zeros = vec![Vec3::zeros(); is_free.len()];
         Ok(Self {
             preconditioner,
-            budget,
+            criteria,
             diagonal: InverseDiagonal::identity(is_free),
             residual: zeros.clone(),
             preconditioned: zeros.clone(),
             direction: zeros.clone(),
             product: zeros,
-            tridiagonal: Tridiagonal::with_room_for(budget.max_iterations),
+            tridiagonal: Tridiagonal::with_room_for(criteria.max_iterations),
         })
     }
 
@@ -104,8 +104,10 @@ impl LinearSolver for ConjugateGradients {
         }
         let mut residual_squared = b_squared;
         for iteration in 0.. {
-            let verdict = self.budget.verdict(iteration, residual_squared, b_squared);
-            if let Some(result) = verdict {
+            let end = self
+                .criteria
+                .outcome(iteration, residual_squared, b_squared);
+            if let Some(result) = end {
                 return result;
             }
             matrix.multiply(&self.direction, &mut self.product);
@@ -123,7 +125,7 @@ impl LinearSolver for ConjugateGradients {
                 *p = z + *p * turn;
             }
         }
-        unreachable!("the budget ends the loop")
+        unreachable!("the criteria end the loop")
     }
 }
 

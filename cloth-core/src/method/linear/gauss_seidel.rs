@@ -21,7 +21,7 @@ use crate::step::BuildError;
 /// The solver and its vectors.
 #[derive(Debug)]
 pub struct GaussSeidel {
-    budget: StoppingCriteria,
+    criteria: StoppingCriteria,
     is_free: Vec<bool>,
     diagonal: InverseDiagonal,
     /// `Lᵀ x` of the sweep before.
@@ -34,12 +34,12 @@ impl GaussSeidel {
     /// A solver over the free vertices.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`] for a budget out of range.
-    pub fn new(is_free: &[bool], budget: StoppingCriteria) -> Result<Self, BuildError> {
-        budget.check()?;
+    /// [`BuildError::OutOfRange`] for criteria out of range.
+    pub fn new(is_free: &[bool], criteria: StoppingCriteria) -> Result<Self, BuildError> {
+        criteria.check()?;
         let zeros = vec![Vec3::zeros(); is_free.len()];
         Ok(Self {
-            budget,
+            criteria,
             is_free: is_free.to_vec(),
             diagonal: InverseDiagonal::identity(is_free),
             upper: zeros.clone(),
@@ -93,12 +93,14 @@ impl LinearSolver for GaussSeidel {
         let b_squared = dot(&self.next_upper, &self.next_upper);
         let mut residual_squared = b_squared;
         for iteration in 0.. {
-            let verdict = self.budget.verdict(iteration, residual_squared, b_squared);
-            if let Some(result) = verdict {
+            let end = self
+                .criteria
+                .outcome(iteration, residual_squared, b_squared);
+            if let Some(result) = end {
                 return result;
             }
             residual_squared = self.sweep(matrix, b, x);
         }
-        unreachable!("the budget ends the loop")
+        unreachable!("the criteria end the loop")
     }
 }

@@ -16,7 +16,7 @@ use crate::step::BuildError;
 /// The solver and its vectors.
 #[derive(Debug)]
 pub struct Jacobi {
-    budget: StoppingCriteria,
+    criteria: StoppingCriteria,
     /// ω, if it is given.
     given: Option<Real>,
     interval: Interval,
@@ -28,19 +28,19 @@ impl Jacobi {
     /// A solver over the free vertices with the damping ω, or with `2/(λ_min + λ_max)` of the estimated spectrum.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`] for a budget or a damping out of range.
+    /// [`BuildError::OutOfRange`] for criteria or a damping out of range.
     pub fn new(
         is_free: &[bool],
         damping: Option<Real>,
-        budget: StoppingCriteria,
+        criteria: StoppingCriteria,
     ) -> Result<Self, BuildError> {
-        budget.check()?;
+        criteria.check()?;
         if let Some(omega) = damping {
             positive("damping of the Jacobi iteration", omega)?;
         }
         let zeros = vec![Vec3::zeros(); is_free.len()];
         Ok(Self {
-            budget,
+            criteria,
             given: damping,
             interval: Interval::new(is_free)?,
             residual: zeros.clone(),
@@ -80,8 +80,10 @@ impl LinearSolver for Jacobi {
         let b_squared = dot(&self.residual, &self.residual);
         let mut residual_squared = b_squared;
         for iteration in 0.. {
-            let verdict = self.budget.verdict(iteration, residual_squared, b_squared);
-            if let Some(result) = verdict {
+            let end = self
+                .criteria
+                .outcome(iteration, residual_squared, b_squared);
+            if let Some(result) = end {
                 return result;
             }
             for ((x, r), inverse) in x.iter_mut().zip(&self.residual).zip(diagonal.blocks()) {
@@ -95,6 +97,6 @@ impl LinearSolver for Jacobi {
             }
             residual_squared = dot(&self.residual, &self.residual);
         }
-        unreachable!("the budget ends the loop")
+        unreachable!("the criteria end the loop")
     }
 }

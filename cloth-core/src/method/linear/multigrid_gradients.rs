@@ -16,7 +16,7 @@ use crate::step::BuildError;
 /// The solver, its levels, which are made for the first matrix, and its vectors.
 #[derive(Debug)]
 pub struct MultigridGradients {
-    budget: StoppingCriteria,
+    criteria: StoppingCriteria,
     is_free: Vec<bool>,
     rest: Vec<Vec3>,
     multigrid: Option<Multigrid>,
@@ -32,21 +32,21 @@ impl MultigridGradients {
     /// A solver over the free vertices, at rest at `rest` (m) if that is known.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`] for a budget out of range.
+    /// [`BuildError::OutOfRange`] for criteria out of range.
     ///
     /// # Panics
     /// If there is not one rest position per vertex.
     pub fn new(
         is_free: &[bool],
         rest: Option<&[Vec3]>,
-        budget: StoppingCriteria,
+        criteria: StoppingCriteria,
     ) -> Result<Self, BuildError> {
-        budget.check()?;
+        criteria.check()?;
         let zeros = vec![Vec3::zeros(); is_free.len()];
         let rest = rest.map_or_else(|| zeros.clone(), <[Vec3]>::to_vec);
         assert_eq!(rest.len(), is_free.len(), "one rest position per vertex");
         Ok(Self {
-            budget,
+            criteria,
             is_free: is_free.to_vec(),
             rest,
             multigrid: None,
@@ -90,7 +90,10 @@ impl LinearSolver for MultigridGradients {
         let b_squared = dot(&self.residual, &self.residual);
         let (mut residual_squared, mut slope) = (b_squared, 0.0);
         for iteration in 0.. {
-            if let Some(result) = self.budget.verdict(iteration, residual_squared, b_squared) {
+            if let Some(result) = self
+                .criteria
+                .outcome(iteration, residual_squared, b_squared)
+            {
                 return result;
             }
             multigrid.apply(&self.residual, &mut self.preconditioned);
@@ -122,6 +125,6 @@ impl LinearSolver for MultigridGradients {
             add(&mut self.residual, -length, &self.product);
             residual_squared = dot(&self.residual, &self.residual);
         }
-        unreachable!("the budget ends the loop")
+        unreachable!("the criteria end the loop")
     }
 }

@@ -54,7 +54,7 @@ pub trait LinearSolver: fmt::Debug + Send {
 /// What a solve did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearReport {
-    /// Converged, or the budget was spent.
+    /// Converged, or the iterations were spent.
     pub outcome: Outcome,
     /// Iterations: products with the matrix, or sweeps; 1 for a direct solver.
     pub iterations: u32,
@@ -120,7 +120,7 @@ impl StoppingCriteria {
     }
 
     /// Whether a solve ends here: squared norms of residual and right-hand side.
-    pub(super) fn verdict(
+    pub(super) fn outcome(
         &self,
         iterations: u32,
         residual_squared: Real,
@@ -155,7 +155,7 @@ impl StoppingCriteria {
 /// | conjugate gradients | at most `(√κ − 1)/(√κ + 1)`, and better | well-conditioned systems |
 /// | multigrid | hardly depends on κ and size | large and stiff systems |
 /// | Chebyshev–Jacobi | `(√κ − 1)/(√κ + 1)` | where inner products are dear |
-/// | Gauss–Seidel | about `((κ − 1)/(κ + 1))²` | smoothing, comparison |
+/// | Gauss–Seidel | `((κ − 1)/(κ + 1))²` if the matrix couples two colours only, as of a chain or a grid without diagonals | smoothing, comparison |
 /// | Jacobi | `(κ − 1)/(κ + 1)` | comparison |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -207,15 +207,19 @@ impl LinearMethod {
             Self::Cholesky => Box::new(
                 BlockCholesky::analyze(pattern, is_free).map_err(|_| BuildError::MatrixTooLarge)?,
             ),
-            Self::ConjugateGradients(budget) => Box::new(ConjugateGradients::new(
+            Self::ConjugateGradients(criteria) => Box::new(ConjugateGradients::new(
                 is_free,
                 Preconditioner::BlockJacobi,
-                budget,
+                criteria,
             )?),
-            Self::Multigrid(budget) => Box::new(MultigridGradients::new(is_free, rest, budget)?),
-            Self::Jacobi(budget) => Box::new(Jacobi::new(is_free, None, budget)?),
-            Self::ChebyshevJacobi(budget) => Box::new(ChebyshevJacobi::new(is_free, None, budget)?),
-            Self::GaussSeidel(budget) => Box::new(GaussSeidel::new(is_free, budget)?),
+            Self::Multigrid(criteria) => {
+                Box::new(MultigridGradients::new(is_free, rest, criteria)?)
+            }
+            Self::Jacobi(criteria) => Box::new(Jacobi::new(is_free, None, criteria)?),
+            Self::ChebyshevJacobi(criteria) => {
+                Box::new(ChebyshevJacobi::new(is_free, None, criteria)?)
+            }
+            Self::GaussSeidel(criteria) => Box::new(GaussSeidel::new(is_free, criteria)?),
         })
     }
 

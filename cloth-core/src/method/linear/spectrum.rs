@@ -1,7 +1,7 @@
 //! Extreme eigenvalues and condition numbers, out of the numbers that conjugate gradients make anyway.
 //!
-//! Conjugate gradients are Lanczos' process in other clothes: their step lengths α and turns β are the entries of a
-//! tridiagonal matrix T,
+//! Conjugate gradients and Lanczos' process build the same basis: from the step lengths α and turns β of the former
+//! follows the tridiagonal matrix T of the latter,
 //!
 //! ```text
 //! T_kk = 1/α_k + β_{k−1}/α_{k−1},    T_{k,k+1} = √β_k / α_k
@@ -52,12 +52,12 @@ pub fn spectrum(
     max_iterations: u32,
 ) -> Result<Spectrum, LinearError> {
     assert!(is_free.contains(&true), "no vertex is free");
-    let budget = StoppingCriteria {
+    let criteria = StoppingCriteria {
         tolerance: 1e-14,
         max_iterations,
     };
     let mut solver =
-        ConjugateGradients::new(is_free, preconditioner, budget).expect("at least one iteration");
+        ConjugateGradients::new(is_free, preconditioner, criteria).expect("at least one iteration");
     solver.prepare(matrix)?;
     let b: Vec<Vec3> = (0..is_free.len()).map(noise).collect();
     solver.solve(matrix, &b, &mut vec![Vec3::zeros(); b.len()])?;
@@ -66,7 +66,7 @@ pub fn spectrum(
         .expect("b is not zero, so there was a step"))
 }
 
-/// A vector with a share in every eigenvector: numbers in (−1, 1) without a pattern, the same ones every time.
+/// A vector with a part in every eigenvector: numbers in (−1, 1) without a pattern, the same ones every time.
 pub(super) fn noise(vertex: usize) -> Vec3 {
     Vec3::from_fn(|axis, _| {
         // The golden ratio's multiples fall evenly; their product with another irrational number hides the order.

@@ -24,7 +24,7 @@ pub struct CoarseLevel {
     /// Vertices, by their numbers in this level, that a finer link joins, themselves or by vertices whose nearest
     /// parents they are; ascending, the lower number first.
     pub links: Vec<[u32; 2]>,
-    /// Length (m) of each link: the shortest way over the cloth at rest, not through the air. No folding, bending or
+    /// Length (m) of each link: the shortest path over the cloth at rest, not through the air. No folding, bending or
     /// unrolling without stretch makes one longer.
     pub lengths: Vec<Real>,
 }

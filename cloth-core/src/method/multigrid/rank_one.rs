@@ -90,8 +90,8 @@ impl RankOne {
                 stiffness += k;
                 let first = gathered.len();
                 for &(vertex, weight) in fine.members(number) {
-                    for &(parent, share) in prolongation.of_fine(vertex as usize) {
-                        gathered.push((parent, weight * share * along * k));
+                    for &(parent, fraction) in prolongation.of_fine(vertex as usize) {
+                        gathered.push((parent, weight * fraction * along * k));
                     }
                 }
                 add_up(&mut gathered, first);
@@ -121,8 +121,8 @@ impl RankOne {
         for &(vertex, weight) in self.members(number) {
             let side = usize::from(weight < 0.0);
             let parents = prolongation.of_fine(vertex as usize).iter();
-            for &(parent, share) in parents {
-                let size = weight.abs() * share;
+            for &(parent, fraction) in parents {
+                let size = weight.abs() * fraction;
                 if size > most[side] {
                     (ends[side], most[side]) = (parent, size);
                 }
@@ -219,14 +219,14 @@ impl RankOne {
         }
     }
 
-    /// Takes notice that a vertex has moved by `times · way` (m).
+    /// Takes notice that a vertex has moved by `times · displacement` (m).
     #[inline(always)]
-    pub(super) fn moved(&mut self, vertex: usize, way: &Lanes, times: f32) {
+    pub(super) fn moved(&mut self, vertex: usize, displacement: &Lanes, times: f32) {
         let places = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;
-        let way = way.to_array();
+        let displacement = displacement.to_array();
         for (number, jacobian) in &self.entries[places] {
             let j = jacobian.to_array();
-            let along = j[0] * way[0] + j[1] * way[1] + j[2] * way[2];
+            let along = j[0] * displacement[0] + j[1] * displacement[1] + j[2] * displacement[2];
             self.sums[*number as usize] += times * along;
         }
     }

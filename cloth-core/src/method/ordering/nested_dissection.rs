@@ -15,7 +15,7 @@ use super::graph::Graph;
 /// Parts of so few vertices are numbered as they come.
 const LEAF: usize = 6;
 
-/// A half has at least this share of its part, where the steps allow two values of it.
+/// A half has at least this fraction of its part, where the steps allow two values of it.
 const LEAST_SHARE: usize = 4;
 
 /// The vertices in their new order.

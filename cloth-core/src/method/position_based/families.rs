@@ -310,7 +310,8 @@ impl<U: ConstraintUpdate> Families<U> {
     /// Adds a family to be visited after those that are there.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
+    /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
+    /// or one twice.
     ///
     /// # Panics
     /// If an element of a coloured sweep names a vertex twice.

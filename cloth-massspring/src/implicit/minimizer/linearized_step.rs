@@ -22,7 +22,7 @@ impl Minimizer {
     ) -> Result<bool, StepError> {
         let Some(source) = contact else {
             newton::solve_once(self, task, report)?;
-            self.tell(observer, 1);
+            self.notify(observer, 1);
             return Ok(true);
         };
         self.next.gradient.fill(Vec3::zeros());
@@ -39,7 +39,7 @@ impl Minimizer {
             Ok(safe == 1.0 && source.add_gradient(end, &mut self.next.gradient) == 0.0)
         });
         match is_apart {
-            Ok(true) => self.tell(observer, 1),
+            Ok(true) => self.notify(observer, 1),
             _ => self.current.positions.copy_from_slice(&start),
         }
         self.shortened = start;
@@ -93,11 +93,11 @@ impl Minimizer {
         self.gradient_norm(task)?;
         let mut system = self.newton.take().expect("built with the solver");
         let prepared = newton::prepare(self, &mut system, task, report);
-        let (mut at, mut way) = self.linearized.take().unwrap_or_default();
+        let (mut at, mut buffer) = self.linearized.take().unwrap_or_default();
         at.positions.clone_from(&self.current.positions);
         at.gradient.clone_from(&self.current.gradient);
-        way.resize(self.is_free.len(), Vec3::zeros());
-        let linearized = Linearized::new(&at, system.matrix(), way);
+        buffer.resize(self.is_free.len(), Vec3::zeros());
+        let linearized = Linearized::new(&at, system.matrix(), buffer);
         let linear = Task {
             stage: Stage {
                 linearized: Some(&linearized),
@@ -113,8 +113,8 @@ impl Minimizer {
             let end = self.descend(&linear, contact, observer, report)?;
             Ok((end, self.value_here(&with(&linear, contact)) - self.first))
         });
-        let way = linearized.into_room();
-        self.linearized = Some((at, way));
+        let buffer = linearized.into_buffer();
+        self.linearized = Some((at, buffer));
         self.newton = Some(system);
         let (end, change) = end?;
         report.outcome = end.outcome();

@@ -5,13 +5,13 @@ use crate::mesh::TriMesh;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Shortest ways over a triangle mesh from one vertex to some others.
+/// Shortest paths over a triangle mesh from one vertex to some others.
 ///
 /// Dijkstra's method over the edges, in which a triangle with two corners done also reaches the third straight across:
 /// the source is unfolded into the plane of the triangle from the distances of the two, and the straight line to the
 /// third corner is taken if it passes between them (M. Novotni, R. Klein, "Computing geodesic distances on triangular
-/// meshes", WSCG 2002). On a flat or a folded sheet the result is exact wherever the straight way lies within the sheet
-/// and no obtuse triangle hides it, and elsewhere too long: round a hole or a slit, never across.
+/// meshes", WSCG 2002). On a flat or a folded sheet the result is exact wherever the straight path lies within the
+/// sheet and no obtuse triangle hides it, and elsewhere too long: round a hole or a slit, never across.
 #[derive(Debug)]
 pub struct Geodesics<'a> {
     positions: &'a [Vec3],
@@ -76,7 +76,7 @@ impl<'a> Geodesics<'a> {
         }
     }
 
-    /// The distances (m) from `source` to each of `targets`; infinite where there is no way.
+    /// The distances (m) from `source` to each of `targets`; infinite where there is no path.
     ///
     /// # Panics
     /// If one of them is not a vertex of the mesh.
@@ -103,7 +103,7 @@ impl<'a> Geodesics<'a> {
         result
     }
 
-    /// Notes a way to `v`, if it is shorter than those known.
+    /// Notes a path to `v`, if it is shorter than those known.
     fn reach(&mut self, v: u32, distance: Real) {
         let known = &mut self.distance[v as usize];
         if distance < *known {
