@@ -27,7 +27,8 @@ const NUMBERS: &str = "\
 Of the numbers that come out:
   elastic_energy       of all elements at the end (J)
   gravity_energy       at the end, relative to the start: −Σ m g·(x − x₀) (J)
-  potential_energy     elastic_energy + gravity_energy (J)
+  contact_energy       of the cloth with itself and with bodies at the end (J)
+  potential_energy     elastic_energy + gravity_energy + contact_energy + what sealed volumes store (J)
   contact_energy_at_start  of a cloth that starts nearer to itself or to a body than the thickness (J)
   center_of_mass_drop  against gravity (m)
   chebyshev_fallbacks  substeps of pbd and xpbd that gave up their extrapolation because it made the corrections grow
@@ -299,7 +300,7 @@ fn simulate(
         ms_per_step_median, contact_ms_median, held_steps, pinched_steps, iterations, iterations_per_step,
         linear_iterations, chebyshev_fallbacks, coarse_builds, coarse_fallbacks, newton_fallbacks, refinements,
         rebuilds, unfinished_steps, converged_steps, max_stretch, rms_strain, kinetic_energy, elastic_energy,
-        gravity_energy, potential_energy, energy_excess, energy_given, contact_energy_at_start,
+        gravity_energy, contact_energy, potential_energy, energy_excess, energy_given, contact_energy_at_start,
         center_of_mass_drop, intersections, obstacle_intersections, min_distance, min_clearance, max_seam_gap,
         max_volume_change,
     ));

@@ -209,7 +209,9 @@ fn the_help_says_what_the_energies_hold() {
     let help = program(&["run", "--help"]);
     let text = String::from_utf8_lossy(&help.stdout);
     assert!(
-        text.contains("potential_energy     elastic_energy + gravity_energy (J)"),
+        text.contains(
+            "potential_energy     elastic_energy + gravity_energy + contact_energy + what"
+        ),
         "{text}"
     );
 }
