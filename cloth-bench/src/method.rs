@@ -156,6 +156,19 @@ impl Method {
         }
     }
 
+    /// What the published setting is called where it is not the one of [`Method::by_default`].
+    pub(crate) fn published(&self) -> String {
+        match self.kind {
+            Kind::Xpbd => format!(
+                "{}, {} substeps",
+                self.name,
+                position_based::PUBLISHED_SUBSTEPS
+            ),
+            Kind::Own(own) if !own.by_default.is_empty() => format!("{}, published", self.name),
+            _ => self.name.to_owned(),
+        }
+    }
+
     /// A solver for a scene and a step size `dt` (s), or its [parts](Scene::parts), with strain limiting if the
     /// settings ask for it.
     ///
