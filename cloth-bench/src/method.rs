@@ -239,6 +239,18 @@ impl Method {
         )))
     }
 
+    /// A sentence about a method whose energy has no bound in contact, where the scene has any.
+    pub(crate) fn contact_warning(&self, scene: &Scene) -> Option<String> {
+        let gains = matches!(self.kind, Kind::Midpoint) && scene.can_touch();
+        gains.then(|| {
+            format!(
+                "`{}` damps nothing and gains energy in contact, without a bound: bdf2 is of second order too, and does \
+                 not",
+                self.name
+            )
+        })
+    }
+
     /// Refuses sealed volumes where their pressure would not be that of the scene.
     fn check_volumes(&self, scene: &Scene) -> Result<(), BenchError> {
         let reason = match self.kind {

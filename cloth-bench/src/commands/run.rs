@@ -209,8 +209,12 @@ fn simulate(
     let mut table = arguments.forces.is_some().then(ForcesTable::default);
     let bar = progress_bar(steps);
     let mut tangles = TangleProgress::default();
-    for note in scene.touch.iter().flat_map(ContactSetup::notes) {
+    let of_bodies = scene.touch.iter().flat_map(ContactSetup::notes);
+    for note in of_bodies.map(str::to_owned).chain(scene.mesh_notes()) {
         eprintln!("note: {note}");
+    }
+    if let Some(warning) = method.contact_warning(scene) {
+        eprintln!("warning: {warning}");
     }
     if let Some(warning) = scene.border_warning() {
         eprintln!("warning: {warning}");

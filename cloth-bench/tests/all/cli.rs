@@ -283,6 +283,8 @@ fn locking_counts_and_measures() {
         ("edges", 208),
         ("faces", 128),
         ("boundary_edges", 32),
+        ("bow_tie_vertices", 0),
+        ("inconsistently_oriented_edges", 0),
         ("euler", 1),
         ("count_3v_e", 35),
         ("rank_flat", 159),

@@ -215,3 +215,17 @@ fn the_help_says_what_the_energies_hold() {
         "{text}"
     );
 }
+
+/// Where nothing can be touched it is no worse than its energy warning.
+#[test]
+fn a_method_that_gains_energy_in_contact_says_so() {
+    let warned = |scene: &str, method: &str| {
+        let ran = program(&["run", scene, "--n", "5", "--method", method, "--steps", "1"]);
+        String::from_utf8(ran.stderr)
+            .unwrap()
+            .contains("gains energy in contact")
+    };
+    assert!(warned("drape-sphere", "implicit-midpoint"));
+    assert!(!warned("hang", "implicit-midpoint"));
+    assert!(!warned("drape-sphere", "bdf2"));
+}
