@@ -7,6 +7,7 @@ use cloth_bench::run::{Summary, from_start};
 use cloth_bench::scene;
 use cloth_bench::settings::Settings;
 use cloth_bench::studies::Study;
+use cloth_bench::studies::stability::stable_up_to;
 use cloth_core::element::{Constraint, Energy, Projective, RowArray};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
@@ -277,6 +278,25 @@ fn the_sheet_falls_as_far_as_the_readme_says() {
             let cells = format!("| {fall} | {stretch}");
             assert!(line.unwrap().contains(&cells), "{method}: {cells}");
         }
+    }
+}
+
+#[test]
+fn springs_may_be_as_stiff_as_the_readme_says() {
+    for method in ["linear-implicit", "pd", "xpbd", "pbd"] {
+        let found = stable_up_to(method, 60).unwrap();
+        assert_eq!(found.stable, Some(1e9), "{method}");
+        let strained = found.strained.map_or(String::new(), |stiffness| {
+            let high = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+            format!(
+                ", strained from 10{}",
+                high[stiffness.log10().round() as usize]
+            )
+        });
+        let start = format!("| `{method}`");
+        let line = README.lines().find(|line| line.starts_with(&start));
+        let cell = format!("| ≥ 10⁹{strained} |");
+        assert!(line.unwrap().contains(&cell), "{method}: {cell}");
     }
 }
 
