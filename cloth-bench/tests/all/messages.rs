@@ -178,7 +178,6 @@ fn work_without_end_is_refused() {
         ("free-fall", "n=500"),
         ("same-minimum", "n=100"),
         ("lateral-buckling", "across=33"),
-        ("incline", "steps=4000000000"),
         ("bounce", "bounces=4000000000"),
     ] {
         refused(
