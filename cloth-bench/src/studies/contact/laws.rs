@@ -48,7 +48,7 @@ fn sheet(
     Ok(scene)
 }
 
-/// The gap (m) at which the pressure p = ρ g cos α carries the weight: h − p/κ, and κ h²/(4 p) in the barrier below h/2.
+/// The gap (m) at which the pressure p = ρ g cos α carries the weight: h − p/κ, or κ h²/(4 p) in the barrier below h/2.
 fn gap(density: Real, angle: Real) -> Real {
     let pressure = density * G * angle.cos();
     match THICKNESS - pressure / KAPPA {

@@ -26,7 +26,7 @@ fn steps_are_ordered_as_theory_has_it() {
     // Solved to the end, a sheet stretches as little as its springs allow; cut short, it stretches more.
     let stretches = steps.each_ref().map(|step| step.stretch.unwrap());
     assert!(stretches[3] > 20.0 * stretches[0], "{stretches:?}");
-    // One linear solve and sweeps that end before they have converged leave more in stiff springs than the fall has given.
+    // One linear solve and sweeps that end before they have converged leave more in stiff springs than the fall gives.
     let strained = steps.each_ref().map(|step| step.stable.strained);
     assert_eq!(strained, [None, None, Some(1e5), Some(10.0)]);
     for step in &steps {

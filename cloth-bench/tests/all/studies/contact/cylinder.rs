@@ -59,8 +59,8 @@ fn pressed_more(name: &str, height_over_radius: f64) -> f64 {
     measured.0 / expected.0 - 1.0
 }
 
-/// Methods that minimise end a step at a tolerance; the others take as much momentum as gravity gives. The first bound is
-/// that of the floor, the second that of the gaps between sheets, which still swing a little.
+/// Methods that minimise end a step at a tolerance; the others take as much momentum as gravity gives. The first bound
+/// is that of the floor, the second that of the gaps between sheets, which still swing a little.
 #[test]
 fn floors_and_gaps_bear_the_weight_of_what_lies_on_them() {
     for (name, of_floor, of_gaps) in [

@@ -2,8 +2,8 @@
 
 use cloth_bench::studies::contact::laws::{Measured, methods, rest, rest_at, slide};
 
-/// The most (m) by which a method is off, for each about a tenth more than measured: below the angle of friction; where it
-/// slides; and at rest, light or with 20 kg/m², and with 80 kg/m².
+/// The most (m) by which a method is off, for each about a tenth more than measured: below the angle of friction; where
+/// it slides; and at rest, light or with 20 kg/m², and with 80 kg/m².
 ///
 /// Friction of an energy holds by a spring, which is stretched by 12 µm. Heavy cloth in the many substeps of XPBD still
 /// swings about its gap.
