@@ -160,8 +160,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             format!("{start} ({count} of {RUNS})")
         });
         match lost.join(", ") {
-            none if none.is_empty() => always.push(method.name),
-            lost => lost_some.push(format!("{} fails from {lost}", method.name)),
+            none if none.is_empty() => always.push(method.published()),
+            lost => lost_some.push(format!("{} fails from {lost}", method.published())),
         }
     }
     let told = match lost_some.is_empty() {
