@@ -23,14 +23,13 @@ mod catenary;
 mod chain_rate;
 mod chains;
 mod constraints;
-pub mod contact;
+mod contact;
 pub mod elastica;
 pub(crate) mod elements;
 pub(crate) mod factors;
 pub(crate) mod models;
 mod motion;
 mod patch;
-pub mod point_mass;
 mod prelude;
 mod space;
 pub(crate) mod strip;
@@ -123,7 +122,7 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 27] = [
+pub const LAWS: [&Law; 30] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
@@ -151,6 +150,9 @@ pub const LAWS: [&Law; 27] = [
     &contact::INCLINE,
     &contact::BOUNCE,
     &contact::BARRIER_GAP,
+    &contact::STACK,
+    &contact::CAPSTAN,
+    &contact::PRESSURE,
 ];
 
 impl Law {

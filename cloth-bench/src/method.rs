@@ -156,6 +156,19 @@ impl Method {
         }
     }
 
+    /// What the published setting is called where it is not the one of [`Method::by_default`].
+    pub(crate) fn published(&self) -> String {
+        match self.kind {
+            Kind::Xpbd => format!(
+                "{}, {} substeps",
+                self.name,
+                position_based::PUBLISHED_SUBSTEPS
+            ),
+            Kind::Own(own) if !own.by_default.is_empty() => format!("{}, published", self.name),
+            _ => self.name.to_owned(),
+        }
+    }
+
     /// A solver for a scene and a step size `dt` (s), or its [parts](Scene::parts), with strain limiting if the
     /// settings ask for it.
     ///
@@ -224,6 +237,18 @@ impl Method {
              of an impact; explicit methods, pbd and xpbd can",
             self.name
         )))
+    }
+
+    /// A sentence about a method whose energy has no bound in contact, where the scene has any.
+    pub(crate) fn contact_warning(&self, scene: &Scene) -> Option<String> {
+        let gains = matches!(self.kind, Kind::Midpoint) && scene.can_touch();
+        gains.then(|| {
+            format!(
+                "`{}` damps nothing and gains energy in contact, without a bound: bdf2 is of second order too, and does \
+                 not",
+                self.name
+            )
+        })
     }
 
     /// Refuses sealed volumes where their pressure would not be that of the scene.

@@ -92,7 +92,9 @@ pub struct Summary {
     pub elastic_energy: Real,
     /// Gravitational energy at the end relative to the start (J).
     pub gravity_energy: Real,
-    /// Elastic energy plus gravitational energy relative to the start (J).
+    /// Energy of contact at the end (J).
+    pub contact_energy: Real,
+    /// The sum of these three, and what sealed volumes store (J).
     pub potential_energy: Real,
     /// The most by which the cloth held more energy than it was given by its start, gravity, moving pins and bodies,
     /// air and gas (J); 0 if it never did but for rounding.
@@ -484,6 +486,9 @@ fn take_steps(
         })?;
     }
     let untangling = std::mem::take(&mut course.untangling);
+    let sources = course.contacts.as_ref().map(|timed| &timed.source);
+    let contact_energy = sources.map_or(0.0, |all| all.contacts.potential_energy());
+    let stored = sources.map_or(0.0, ContactSource::potential_energy);
     let scene = course.scene.into_owned();
     let mut energies = scene.elastic()?;
     energies.set_time(state.time);
@@ -508,7 +513,8 @@ fn take_steps(
         kinetic_energy: measure::kinetic_energy(particles, &state.velocities),
         elastic_energy,
         gravity_energy,
-        potential_energy: elastic_energy + gravity_energy,
+        contact_energy,
+        potential_energy: elastic_energy + gravity_energy + stored,
         energy_excess: balance.excess(),
         energy_given: balance.given(),
         energy_gain: balance.gain(),

@@ -24,6 +24,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let t = found.topology;
     let mut pairs = vec![("mesh", json!(arguments.mesh))];
     pairs.extend(fields!(t => vertices, edges, faces, boundary_edges, boundary_loops, components));
+    pairs.extend(fields!(found => bow_tie_vertices, inconsistently_oriented_edges));
     pairs.extend(fields!(t => euler, count_3v_e));
     let boundary = 3 * t.euler + t.boundary_edges as i64;
     pairs.push(("count_3euler_boundary", json!(boundary)));

@@ -27,7 +27,8 @@ const NUMBERS: &str = "\
 Of the numbers that come out:
   elastic_energy       of all elements at the end (J)
   gravity_energy       at the end, relative to the start: −Σ m g·(x − x₀) (J)
-  potential_energy     elastic_energy + gravity_energy (J)
+  contact_energy       of the cloth with itself and with bodies at the end (J)
+  potential_energy     elastic_energy + gravity_energy + contact_energy + what sealed volumes store (J)
   contact_energy_at_start  of a cloth that starts nearer to itself or to a body than the thickness (J)
   center_of_mass_drop  against gravity (m)
   chebyshev_fallbacks  substeps of pbd and xpbd that gave up their extrapolation because it made the corrections grow
@@ -208,8 +209,12 @@ fn simulate(
     let mut table = arguments.forces.is_some().then(ForcesTable::default);
     let bar = progress_bar(steps);
     let mut tangles = TangleProgress::default();
-    for note in scene.touch.iter().flat_map(ContactSetup::notes) {
+    let of_bodies = scene.touch.iter().flat_map(ContactSetup::notes);
+    for note in of_bodies.map(str::to_owned).chain(scene.mesh_notes()) {
         eprintln!("note: {note}");
+    }
+    if let Some(warning) = method.contact_warning(scene) {
+        eprintln!("warning: {warning}");
     }
     if let Some(warning) = scene.border_warning() {
         eprintln!("warning: {warning}");
@@ -299,7 +304,7 @@ fn simulate(
         ms_per_step_median, contact_ms_median, held_steps, pinched_steps, iterations, iterations_per_step,
         linear_iterations, chebyshev_fallbacks, coarse_builds, coarse_fallbacks, newton_fallbacks, refinements,
         rebuilds, unfinished_steps, converged_steps, max_stretch, rms_strain, kinetic_energy, elastic_energy,
-        gravity_energy, potential_energy, energy_excess, energy_given, contact_energy_at_start,
+        gravity_energy, contact_energy, potential_energy, energy_excess, energy_given, contact_energy_at_start,
         center_of_mass_drop, intersections, obstacle_intersections, min_distance, min_clearance, max_seam_gap,
         max_volume_change,
     ));

@@ -80,7 +80,7 @@ impl Choice for Sweep {
     ];
 }
 
-const PUBLISHED_SUBSTEPS: u32 = 20;
+pub(super) const PUBLISHED_SUBSTEPS: u32 = 20;
 /// Largest strain to be left in cloth that swings freely, and in cloth that can touch something: what stops it suddenly
 /// leaves more energy.
 const SWINGING: Real = 0.1;

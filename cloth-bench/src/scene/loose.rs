@@ -1,8 +1,11 @@
-//! Border vertices that lie on each other without being one: a file in which faces do not share their corners.
+//! What a user should know of a mesh: border vertices that lie on each other without being one, as in a file in which
+//! faces do not share their corners; fans that touch in one vertex; and sides that change places.
 
 use super::{ChangeKind, Scene};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::topology::{DisjointSets, EdgeTable, components};
+use cloth_core::topology::{
+    DisjointSets, EdgeTable, bow_tie_vertices, components, inconsistently_oriented_edges,
+};
 
 /// Sets of the points that are no farther from each other than `distance` (m), or are joined by others between them;
 /// the root of a set is its lowest number.
@@ -26,6 +29,45 @@ pub(super) fn coincident(x: &[Vec3], distance: Real) -> DisjointSets {
 }
 
 impl Scene {
+    /// Sentences about bow-tie vertices and edges between triangles that are wound against each other, if there are
+    /// any: both are allowed, and seldom meant.
+    #[must_use]
+    pub fn mesh_notes(&self) -> Vec<String> {
+        let Some(mesh) = &self.mesh else {
+            return Vec::new();
+        };
+        let Ok(edges) = EdgeTable::build(mesh) else {
+            return Vec::new();
+        };
+        let touching = bow_tie_vertices(mesh, &edges);
+        let turned = inconsistently_oriented_edges(mesh, &edges);
+        let touching_at = touching.first().map(|&vertex| {
+            format!(
+                "fans of triangles touch without a common edge at {} of the vertices, such as {}: nothing resists bending \
+                 between them",
+                touching.len(),
+                self.name_of(vertex)
+            )
+        });
+        let turned_at = turned.first().map(|&edge| {
+            let mut ends = edges.ends()[edge as usize].map(|v| self.name_of(v));
+            ends.sort_unstable();
+            let [a, b] = ends;
+            format!(
+                "triangles are wound against each other at {} of the edges, such as that from {a} to {b}: there the \
+                 sides of the cloth change places",
+                turned.len()
+            )
+        });
+        touching_at.into_iter().chain(turned_at).collect()
+    }
+
+    /// The number that a vertex has in the user's mesh.
+    fn name_of(&self, vertex: u32) -> u32 {
+        let order = self.order.as_ref();
+        order.map_or(vertex, |order| order.old_of_new()[vertex as usize])
+    }
+
     /// A sentence about border vertices in the same place that nothing joins, if there are any: the cloth falls apart
     /// there.
     #[must_use]
@@ -57,12 +99,7 @@ impl Scene {
             .filter(|[root, v]| root != v)
             .map(|pair| pair.map(|v| border[v as usize]))
             .collect();
-        let name = |v: u32| {
-            self.order
-                .as_ref()
-                .map_or(v, |o| o.old_of_new()[v as usize])
-        };
-        let [a, b] = doubles.first()?.map(name);
+        let [a, b] = doubles.first()?.map(|v| self.name_of(v));
         let pieces = components(mesh.vertex_count(), &edges);
         let pieces = pieces.iter().max().map_or(0, |last| last + 1);
         Some(format!(

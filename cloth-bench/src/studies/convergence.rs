@@ -35,7 +35,7 @@ type SampleRow = (Cell, String, &'static str, Sample);
 #[derive(Serialize, Default)]
 struct DefaultRow {
     n: Cell,
-    method: &'static str,
+    method: String,
     ms_per_step: Option<Real>,
     iterations: Option<u32>,
     objective_error: Option<Real>,
@@ -115,18 +115,22 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             (format!("{method}{by}"), *sample)
         });
         let mut reached = reached.collect_vec();
-        for method in method::all().filter(|method| method.aims_at_implicit_euler()) {
-            let case = format!("{} at its default, {name}", method.name);
+        for Variant { label, settings } in Variant::defaults() {
+            let method = Method::find(label.split(',').next().unwrap_or_default())?;
+            if !method.aims_at_implicit_euler() {
+                continue;
+            }
+            let case = format!("{label} in whole steps, {name}");
             let sample = study.cases.case(&case, || {
-                let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
+                let mut solver = method.build(scene, &settings, scene.dt)?;
                 repeated(problem.get()?, &mut *solver, 5)
             });
             let remark = remark(&sample);
             let sample = sample.ok();
-            reached.extend(sample.map(|sample| (format!("{}, default", method.name), sample)));
+            reached.extend(sample.map(|sample| (format!("{label}, whole steps"), sample)));
             defaults.push(DefaultRow {
                 n: size.clone(),
-                method: method.name,
+                method: label,
                 ms_per_step: sample.map(|s| 1e3 * s.seconds),
                 iterations: sample.map(|s| s.iteration),
                 objective_error: sample.map(|s| s.error.objective),
@@ -272,7 +276,7 @@ fn verdict(defaults: &[DefaultRow], sheet: &TestSheet) -> Option<String> {
     let last = &defaults.last()?.n;
     let (mut parts, mut failures) = (Vec::new(), Vec::new());
     for row in defaults.iter().filter(|row| row.n == *last) {
-        let method = row.method;
+        let method = &row.method;
         match row.ms_per_step.zip(row.objective_error) {
             Some((ms, error)) => {
                 let (ms, error) = (two(ms), significant(error, 2));
@@ -288,7 +292,7 @@ fn verdict(defaults: &[DefaultRow], sheet: &TestSheet) -> Option<String> {
     let times = defaults
         .iter()
         .filter(|row| row.n == *last && row.objective_error <= Some(1e-2));
-    let times = times.filter_map(|row| Some((row.method, row.ms_per_step?, row.objective_error?)));
+    let times = times.filter_map(|row| Some((&row.method, row.ms_per_step?, row.objective_error?)));
     let fastest = times.min_by(|a, b| a.1.total_cmp(&b.1));
     let fastest = fastest.map_or("Of all methods none".to_owned(), |(method, ms, error)| {
         let error = significant(error, 1);
@@ -318,7 +322,7 @@ struct Fallen {
 /// One line of the table.
 #[derive(Serialize, Default)]
 struct FallenRow {
-    method: &'static str,
+    method: String,
     ms_per_step: Option<Real>,
     #[serde(rename = "fall of the centre of mass (m)")]
     fall: Option<Real>,
@@ -333,13 +337,13 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
     let scene = &sheet.scene;
     let (which, duration) = (sheet.which(), Real::from(HALF_A_SECOND) * scene.dt);
     let mut rows: Vec<FallenRow> = Vec::new();
-    let mut sheets: Vec<(&str, Vec<Vec3>)> = Vec::new();
-    for method in method::all() {
-        let case = format!("{} for half a second", method.name);
+    let mut sheets: Vec<(String, Vec<Vec3>)> = Vec::new();
+    for variant in Variant::defaults() {
+        let case = format!("{} for half a second", variant.label);
         let outcome = study.cases.case(&case, || {
-            let settings = Settings::default();
+            let (method, settings) = (Method::find(variant.method())?, &variant.settings);
             let (steps, dt) = (HALF_A_SECOND, scene.dt);
-            let (summary, end) = run::simulate(scene, method, &settings, dt, steps)?;
+            let (summary, end) = run::simulate(scene, method, settings, dt, steps)?;
             let positions = end.positions.into_iter().map(Into::into).collect();
             Ok(Fallen { summary, positions })
         });
@@ -348,7 +352,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         let of =
             |value: fn(&run::Summary) -> Real| fallen.as_ref().map(|fallen| value(&fallen.summary));
         rows.push(FallenRow {
-            method: method.name,
+            method: variant.label.clone(),
             ms_per_step: of(|s| s.ms_per_step_median),
             fall: of(|s| s.center_of_mass_drop),
             largest_stretch: of(|s| s.max_stretch),
@@ -358,12 +362,12 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         });
         if let Some(fallen) = fallen.filter(|fallen| !fallen.positions.is_empty()) {
             let positions = fallen.positions.into_iter().map(Vec3::from);
-            sheets.push((method.name, positions.collect()));
+            sheets.push((variant.label, positions.collect()));
         }
     }
     let mut pbd_or_xpbd = Table::new(&["method", "fall", "stretch", "ms a step"]);
     let mut falls = Vec::new();
-    for name in ["pbd", "xpbd", "implicit-euler"] {
+    for name in ["pbd", "xpbd, 20 substeps", "implicit-euler"] {
         let row = rows.iter().find(|row| row.method == name);
         let all = row.and_then(|row| Some((row.fall?, row.largest_stretch?, row.ms_per_step?)));
         if let Some((fall, stretch, ms)) = all {

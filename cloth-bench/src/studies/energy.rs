@@ -32,7 +32,7 @@ type Solver = (String, &'static str, Option<Real>);
 
 /// Every method at its published setting, and the midpoint rule solved to rounding.
 fn methods() -> Vec<Solver> {
-    let published = |method: &Method| (method.name.to_owned(), method.name, None);
+    let published = |method: &Method| (method.published(), method.name, None);
     let mut all: Vec<_> = method::all().map(published).collect();
     let exactly = "implicit-midpoint, solved to 1e-12";
     all.push((exactly.to_owned(), "implicit-midpoint", Some(1e-12)));

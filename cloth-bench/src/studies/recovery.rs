@@ -11,7 +11,7 @@ pub(super) const STUDY: Study = Study {
     about: "A sheet of 1 m × 1 m, held along one edge under gravity, springs of 1e3 N/m and hinges of 1e-5 N·m, Δt = 1/60 s, published settings. random: every free vertex anywhere in a cube of 2 m; flattened: all in the line of their row, so no triangle has an area; \
         collapsed: all in one point; mirrored: on the other side of the held edge. Every run is jittered by 1e-4 m, ten times with other numbers; velocities are taken away whenever the kinetic energy has passed a maximum. \
         A run recovers if no step fails, all stays finite, and at the end the root mean square strain is at most 1e-2 above what the same method leaves in the sheet when it starts flat (strain at rest), or implicit Euler where the method fails even then; one run that does not fails the cell. worst strain is the largest over the runs. \
-        Strain at rest tells how stiff the method's published setting is, which is no matter of recovery: PBD's cloth stretches thirty times as far as the cloth it is given. \
+        Strain at rest tells how stiff that setting is, which is no matter of recovery: PBD's cloth stretches thirty times as far as the cloth it is given. \
         Mirrored is no trouble for a sheet in space, which swings down from there: it is a check. A collapsed sheet has springs of no length, which have no direction: what a method does there is a choice, and the jitter is there because no rule can break that tie for all.",
     run,
 };
@@ -67,8 +67,8 @@ fn place(start: &str, x: &Vec3, random: &mut SplitMix64) -> Vec3 {
 }
 
 /// Strain (root mean square) at the end of a run.
-fn recover(scene: &Scene, name: &str, steps: u32) -> Result<Real, BenchError> {
-    let mut stepper = Method::find(name)?.build(scene, &Settings::default(), DT)?;
+fn recover(scene: &Scene, variant: &Variant, steps: u32) -> Result<Real, BenchError> {
+    let mut stepper = Method::find(variant.method())?.build(scene, &variant.settings, DT)?;
     let mut state = scene.start.clone();
     run::to_rest(scene, stepper.as_mut(), &mut state, DT, steps, STILL)?;
     match state.first_non_finite() {
@@ -81,9 +81,10 @@ fn recover(scene: &Scene, name: &str, steps: u32) -> Result<Real, BenchError> {
 ///
 /// # Errors
 /// [`BenchError::Failed`] if not even the flat sheet comes to rest.
-pub fn cell(n: usize, steps: u32, start: &str, name: &str) -> Result<Outcome, BenchError> {
-    let rest = recover(&sheet(n)?, name, steps)
-        .or_else(|_| recover(&sheet(n)?, "implicit-euler", steps))?;
+pub fn cell(n: usize, steps: u32, start: &str, variant: &Variant) -> Result<Outcome, BenchError> {
+    let newton = Variant::published(Method::find("implicit-euler")?);
+    let rest =
+        recover(&sheet(n)?, variant, steps).or_else(|_| recover(&sheet(n)?, &newton, steps))?;
     let mut cell = Outcome {
         rest: Number(rest),
         ..Outcome::default()
@@ -96,7 +97,7 @@ pub fn cell(n: usize, steps: u32, start: &str, name: &str) -> Result<Outcome, Be
                 *x = place(start, x, &mut random);
             }
         }
-        match recover(&scene, name, steps) {
+        match recover(&scene, variant, steps) {
             Ok(strain) => {
                 cell.recovered += u64::from(strain <= rest + EXCESS);
                 let worst = cell.worst.map_or(0.0, |worst| worst.0);
@@ -113,24 +114,25 @@ pub fn cell(n: usize, steps: u32, start: &str, name: &str) -> Result<Outcome, Be
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let (n, steps) = study.scope.of(SIZES);
     let found = study.grid_side_by_side(
-        iproduct!(method::all().map(|method| method.name), STARTS),
-        |(method, start)| format!("{start}, {method}"),
+        iproduct!(method::all().map(Variant::published), STARTS),
+        |(method, start)| format!("{start}, {}", method.label),
         |(method, start)| cell(n, steps, start, method),
     );
     let reasons = found.iter().filter_map(|((method, start), outcome)| {
         let reason = outcome.reason.as_ref()?;
         let failed = capitalised(failed(reason));
-        Some(format!("{failed}: {start}, {method}: {reason}."))
+        Some(format!("{failed}: {start}, {}: {reason}.", method.label))
     });
     study.section.notes.extend(reasons);
-    let row = |(at, outcome): &((&'static str, &'static str), Outcome)| {
+    let row = |((method, start), outcome): &((Variant, &'static str), Outcome)| {
         let recovered = format!("{} of {RUNS}", outcome.recovered);
         let cell = match &outcome.reason {
             _ if outcome.recovered == RUNS => "passes",
             Some(reason) if is_expected(reason) => "fails, as expected",
             _ => "FAILS",
         };
-        (*at, recovered, outcome.rest, outcome.worst, cell)
+        let at = (method.label.clone(), *start);
+        (at, recovered, outcome.rest, outcome.worst, cell)
     };
     let columns = [
         "method",
@@ -149,15 +151,17 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             lost_some.push(format!("{} fails, as expected", method.name));
             continue;
         }
-        let of_method = found.iter().filter(|((of, _), _)| *of == method.name);
+        let of_method = found
+            .iter()
+            .filter(|((of, _), _)| of.method() == method.name);
         let lost = of_method.filter(|(_, outcome)| outcome.recovered != RUNS);
         let mut lost = lost.map(|((_, start), outcome)| {
             let count = outcome.recovered;
             format!("{start} ({count} of {RUNS})")
         });
         match lost.join(", ") {
-            none if none.is_empty() => always.push(method.name),
-            lost => lost_some.push(format!("{} fails from {lost}", method.name)),
+            none if none.is_empty() => always.push(method.published()),
+            lost => lost_some.push(format!("{} fails from {lost}", method.published())),
         }
     }
     let told = match lost_some.is_empty() {

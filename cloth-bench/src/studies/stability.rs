@@ -126,18 +126,31 @@ pub fn follow(scene: &Scene, variant: &Variant, dt: Real, steps: u32) -> Result<
     Ok(fate)
 }
 
-/// The largest power of ten (N/m), up to a billion, to which the springs of the hanging sheet can be stiffened before the
-/// method explodes or gains energy of motion in so many steps of 1/60 s; none where it does with the softest.
-pub fn stable_up_to(method: &str, steps: u32) -> Result<Option<Real>, BenchError> {
-    let mut stable = None;
+/// How stiff the springs of the hanging sheet can be, as powers of ten (N/m).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StableUpTo {
+    /// The largest, up to a billion, before the method explodes or gains energy of motion; none where it does with the
+    /// softest.
+    pub stable: Option<Real>,
+    /// The smallest of those with which it holds more elastic energy than the sheet was given, if there is one.
+    pub strained: Option<Real>,
+}
+
+/// The same of a method at its default in so many steps of 1/60 s.
+pub fn stable_up_to(method: &str, steps: u32) -> Result<StableUpTo, BenchError> {
+    let mut found = StableUpTo::default();
     for decade in 0..=9 {
         let stiffness = Real::powi(10.0, decade);
-        if map::falls(stiffness, method, steps)?.is_lost() {
+        let fate = map::falls(stiffness, method, steps)?;
+        if fate.is_lost() {
             break;
         }
-        stable = Some(stiffness);
+        found.stable = Some(stiffness);
+        if fate != Fate::Ok {
+            found.strained.get_or_insert(stiffness);
+        }
     }
-    Ok(stable)
+    Ok(found)
 }
 
 /// One table for a map, with a row per method and value of the second parameter; what it says.

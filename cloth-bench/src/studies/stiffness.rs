@@ -75,7 +75,7 @@ fn on_one_constraint() -> Vec<(Variant, Option<Real>)> {
         pd
         implicit-euler: tolerance=0",
     );
-    let own = iterating_own().map(Variant::default_of);
+    let own = iterating_own().map(Variant::uncut);
     let exact = exact.into_iter().chain(own);
     fixed.chain(exact.map(|variant| (variant, None))).collect()
 }

@@ -88,10 +88,9 @@ fn times(scope: Scope, name: &str, n: u32) -> Result<Times, BenchError> {
     let pool = |count| rayon::ThreadPoolBuilder::new().num_threads(count).build();
     let pools = [pool(1)?, pool(2)?];
     let method = Method::find(name)?;
-    let mut solvers = [
-        method.build(&scene, &Settings::default(), scene.dt)?,
-        method.build(&scene, &Settings::default(), scene.dt)?,
-    ];
+    let settings = method.by_default(Settings::default());
+    let build = || method.build(&scene, &settings, scene.dt);
+    let mut solvers = [build()?, build()?];
     let mut states = [scene.start.clone(), scene.start.clone()];
     let times = interleaved(scope.pick(0.3, 1.0), |variant| {
         let (solver, state) = (&mut solvers[variant], &mut states[variant]);

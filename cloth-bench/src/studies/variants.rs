@@ -2,6 +2,7 @@
 
 use crate::method::{self, Method};
 use crate::settings::Settings;
+use itertools::Itertools;
 use serde::{Serialize, Serializer};
 
 /// The methods of your own that can be told how often to iterate towards the step of implicit Euler.
@@ -29,10 +30,33 @@ impl Serialize for Variant {
 }
 
 impl Variant {
-    /// A method at its published settings.
+    /// A method as `run` takes it.
     pub fn default_of(method: &Method) -> Self {
         Self {
             label: method.name.to_owned(),
+            settings: method.by_default(Settings::default()),
+        }
+    }
+
+    /// A method at its published setting, one for all scenes, which is named where `run` takes another one.
+    pub fn published(method: &Method) -> Self {
+        Self {
+            label: method.published(),
+            settings: Settings::default(),
+        }
+    }
+
+    /// Every method at its default, and those with another published setting at that too.
+    pub fn defaults() -> Vec<Self> {
+        let both = |method| [Self::default_of(method), Self::published(method)];
+        let all = method::all().flat_map(both);
+        all.unique_by(|variant| variant.label.clone()).collect()
+    }
+
+    /// A method of your own that takes a step in one solve.
+    pub fn uncut(own: &Method) -> Self {
+        Self {
+            label: own.name.to_owned(),
             settings: Settings::default(),
         }
     }
@@ -50,9 +74,9 @@ impl Variant {
         lines.map(variant).collect()
     }
 
-    /// Of methods of your own that iterate the default, and what they name beside it.
+    /// Methods of your own that iterate, and what they name beside it.
     pub fn of_own() -> Vec<Self> {
-        let variants = |own: &Method| [vec![Self::default_of(own)], own.variants()].concat();
+        let variants = |own: &Method| [vec![Self::uncut(own)], own.variants()].concat();
         iterating_own().flat_map(variants).collect()
     }
 

@@ -189,6 +189,7 @@ fn a_run_tells_in_json_what_it_did() {
             "max_stretch",
             "kinetic_energy",
             "gravity_energy",
+            "contact_energy",
             "potential_energy",
             "center_of_mass_drop",
             "intersections",
@@ -207,7 +208,7 @@ fn a_run_tells_in_json_what_it_did() {
         let energy = |name: &str| told[name].as_f64().unwrap();
         assert_eq!(
             energy("potential_energy"),
-            energy("elastic_energy") + energy("gravity_energy"),
+            energy("elastic_energy") + energy("gravity_energy") + energy("contact_energy"),
         );
         // 0.2 kg/m² on 1 m², all of one acceleration.
         let fallen = -0.2 * 9.81 * energy("center_of_mass_drop");
@@ -282,6 +283,8 @@ fn locking_counts_and_measures() {
         ("edges", 208),
         ("faces", 128),
         ("boundary_edges", 32),
+        ("bow_tie_vertices", 0),
+        ("inconsistently_oriented_edges", 0),
         ("euler", 1),
         ("count_3v_e", 35),
         ("rank_flat", 159),

@@ -226,3 +226,36 @@ fn a_remedy_that_cannot_be_is_refused_with_its_name() {
         assert!(told.contains(words), "{settings:?}: {told}");
     }
 }
+
+/// Two sheets that touch in their vertex 4, of which the second has one of its two triangles turned over.
+#[test]
+fn fans_that_touch_and_sides_that_change_places_are_told() {
+    let file = crate::program::folder("bow-tie").join("bow.obj");
+    let mut text = String::new();
+    for [x, y] in [[0, 0], [0, 1], [1, 0], [2, 2], [1, 1], [2, 1], [1, 2]] {
+        text += &format!("v {x} {y} 0\n");
+    }
+    // Numbers of faces count from 1.
+    text += "f 1 3 5\nf 1 5 2\nf 5 6 4\nf 5 7 4\n";
+    std::fs::write(&file, text).unwrap();
+    let file = file.to_str().unwrap();
+    let told = told(&["locking", file]);
+    assert_eq!(told["bow_tie_vertices"], 1);
+    assert_eq!(told["inconsistently_oriented_edges"], 1);
+    let notes = |file: &str| {
+        let ran = crate::program::program(&[
+            "run", "hang", "--mesh", file, "--method", "pd", "--steps", "1",
+        ]);
+        String::from_utf8(ran.stderr).unwrap()
+    };
+    let said = notes(file);
+    assert!(
+        said.contains("touch without a common edge at 1 of the vertices, such as 4:"),
+        "{said}"
+    );
+    assert!(
+        said.contains("at 1 of the edges, such as that from 3 to 4:"),
+        "{said}"
+    );
+    assert!(!notes("grid:5x5:alternating").contains("note:"));
+}

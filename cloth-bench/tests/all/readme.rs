@@ -1,16 +1,21 @@
 //! The README and what it links to say what the code can do, and what comes out of it.
 
 use cloth_bench::laws::Law;
+use cloth_bench::mesh_spec;
 use cloth_bench::method::Method;
 use cloth_bench::run::{Summary, from_start};
 use cloth_bench::scene;
 use cloth_bench::settings::Settings;
+use cloth_bench::studies::Study;
+use cloth_bench::studies::stability::stable_up_to;
 use cloth_core::element::{Constraint, Energy, Projective, RowArray};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
     MidpointHinge, SoftPin, Spring, Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
     VolumeTetrahedron,
 };
+use cloth_core::mesh::obj;
+use cloth_core::mesh::ply::{self, Encoding};
 use std::collections::BTreeSet;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
@@ -117,7 +122,7 @@ fn the_table_of_elements_is_that_of_the_code() {
 }
 
 /// A table of a study: its lines, cut at the commas.
-fn table(study: &[&str], name: &str) -> Vec<Vec<String>> {
+pub(crate) fn table(study: &[&str], name: &str) -> Vec<Vec<String>> {
     let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("readme-{name}"));
     let mut command = Command::new(env!("CARGO_BIN_EXE_cloth-bench"));
     command.arg("study").args(study).arg("--out").arg(&out);
@@ -277,6 +282,25 @@ fn the_sheet_falls_as_far_as_the_readme_says() {
 }
 
 #[test]
+fn springs_may_be_as_stiff_as_the_readme_says() {
+    for method in ["linear-implicit", "pd", "xpbd", "pbd"] {
+        let found = stable_up_to(method, 60).unwrap();
+        assert_eq!(found.stable, Some(1e9), "{method}");
+        let strained = found.strained.map_or(String::new(), |stiffness| {
+            let high = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+            format!(
+                ", strained from 10{}",
+                high[stiffness.log10().round() as usize]
+            )
+        });
+        let start = format!("| `{method}`");
+        let line = README.lines().find(|line| line.starts_with(&start));
+        let cell = format!("| ≥ 10⁹{strained} |");
+        assert!(line.unwrap().contains(&cell), "{method}: {cell}");
+    }
+}
+
+#[test]
 fn the_names_of_a_simulation_are_those_at_the_root_of_the_core() {
     let root = include_str!("../../../cloth-core/src/lib.rs");
     let words = |text: &str| -> BTreeSet<String> {
@@ -293,6 +317,68 @@ fn the_names_of_a_simulation_are_those_at_the_root_of_the_core() {
     let (_, rest) = README.split_once("besides its method: ").unwrap();
     let (named, _) = rest.split_once(". ").unwrap();
     assert_eq!(words(named), exported.collect());
+}
+
+/// The arguments of every line of a page that starts the program.
+fn command_lines(page: &'static str) -> impl Iterator<Item = Vec<&'static str>> {
+    let blocks = page.split("```sh\n").skip(1);
+    let lines = blocks.flat_map(|block| block.split("```").take(1).flat_map(str::lines));
+    lines.filter_map(|line| {
+        let mut starts = ["cloth ", "cargo run --release -p cloth-bench -- "].into_iter();
+        let arguments = starts.find_map(|start| line.strip_prefix(start))?;
+        Some(arguments.split(" #").next()?.split_whitespace().collect())
+    })
+}
+
+/// With two steps where it is a run; studies, which take minutes, are only looked up.
+#[test]
+fn the_commands_of_the_pages_run() {
+    let folder = crate::program::folder("readme-commands");
+    for (file, mesh) in [
+        ("shirt.ply", "tube:16x8"),
+        ("shirt.obj", "tube:16x8"),
+        ("flag.obj", "grid:9x9:alternating"),
+        ("garment.obj", "tangled:layers"),
+    ] {
+        let (mesh, file) = (mesh_spec::load(mesh).unwrap(), folder.join(file));
+        match file.extension().unwrap() == "ply" {
+            true => ply::write(&file, mesh.positions(), mesh.triangles(), Encoding::Ascii).unwrap(),
+            false => obj::write(&file, mesh.positions(), mesh.triangles()).unwrap(),
+        }
+    }
+    let scenes = include_str!("../../scenes/README.md");
+    let pages = [README, include_str!("../../doc/commands.md"), scenes];
+    let (mut ran, mut wrong) = (0, Vec::new());
+    for mut words in pages.into_iter().flat_map(command_lines) {
+        match words[0] {
+            "study" => {
+                let names = words[1..].iter().take_while(|word| !word.starts_with("--"));
+                wrong.extend(names.filter_map(|name| Some(Study::find(name).err()?.to_string())));
+                continue;
+            }
+            "merge" => continue, // of what two studies have written
+            "run" => match words.iter().position(|&word| word == "--steps") {
+                Some(place) => words[place + 1] = "2",
+                None => words.extend(["--steps", "2"]),
+            },
+            _ => {}
+        }
+        let scene_file = |word: &str| match word.strip_prefix("cloth-bench/") {
+            Some(path) => Path::new(env!("CARGO_MANIFEST_DIR")).join(path),
+            None => PathBuf::from(word),
+        };
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cloth-bench"));
+        let command = command.args(words.iter().copied().map(scene_file));
+        let output = command.current_dir(&folder).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        // Two steps do not untangle.
+        if !output.status.success() && !said.contains("untangling has not come to its end") {
+            wrong.push(format!("{}: {said}", words.join(" ")));
+        }
+        ran += 1;
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(ran > 20, "{ran}");
 }
 
 #[test]

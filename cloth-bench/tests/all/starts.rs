@@ -3,7 +3,7 @@
 use crate::exact_runs::run;
 use crate::program::program;
 use crate::scene_text::{scene, written};
-use cloth_bench::method::Method;
+use cloth_bench::method::{METHODS, Method};
 use cloth_bench::run::from_start;
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
@@ -139,6 +139,30 @@ fn the_deepest_vertex_has_the_number_of_its_file() {
             said.contains(&expected) && said.contains("1.000e-2 m below"),
             "{said}"
         );
+    }
+}
+
+/// At rest on a floor the potential holds ½ (ρ g)²/κ per area, and that is a part of the potential energy.
+#[test]
+fn a_sheet_at_rest_holds_the_energy_of_its_contact() {
+    let (pressure, stiffness, area) = (0.2 * 9.81, 1e6_f64, 0.04);
+    let gap = 4e-3 - pressure / stiffness;
+    let floor = "[contact]\nthickness = 4e-3\n[[obstacle]]\nshape = \"plane\"\n";
+    let text = format!("{SHEET}translate = [0, 0, {gap:?}]\n{floor}");
+    let scene = scene("start-at-rest", &text);
+    let expected = 0.5 * pressure * pressure / stiffness * area;
+    // Forward Euler is not stable, and the midpoint rule does not rest.
+    let restless = ["explicit-euler", "implicit-midpoint"];
+    for method in METHODS
+        .iter()
+        .filter(|method| !restless.contains(&method.name))
+    {
+        let (summary, _) = run(&scene, method.name, &[], 2);
+        let off = summary.contact_energy / expected - 1.0;
+        assert!(off.abs() < 1e-9, "{}: {off:e}", method.name);
+        let rest = summary.elastic_energy + summary.gravity_energy;
+        let sum = rest + summary.contact_energy - summary.potential_energy;
+        assert!(sum.abs() < 1e-12 * expected, "{}: {sum:e} J", method.name);
     }
 }
 

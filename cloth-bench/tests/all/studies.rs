@@ -1,6 +1,7 @@
 //! Studies whose cases fail.
 
 mod cases;
+mod collision;
 mod contact;
 mod convergence;
 mod decision;
@@ -15,6 +16,7 @@ mod recovery;
 mod sheets;
 mod skip;
 mod stability;
+mod work_precision;
 mod xpbd_floor;
 
 use cloth_bench::error::BenchError;

@@ -1,11 +1,13 @@
-//! The energy that a run is given, against closed forms; and that the methods make none of it.
+//! The energy that a run is given, against closed forms; and that the methods make none of it, and nothing crosses.
 
-use crate::common::methods;
+use crate::common::{self, methods};
 use cloth_bench::method::Method;
-use cloth_bench::run::{Summary, from_start};
-use cloth_bench::scene::{Scene, file};
+use cloth_bench::run::{SeparationWatch, Summary, from_start};
+use cloth_bench::scene::{SCENES, Scene, file};
 use cloth_bench::settings::Settings;
+use cloth_bench::studies::variants::Variant;
 use cloth_core::math::Real;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 fn scene(name: &str, text: &str) -> Scene {
@@ -112,4 +114,64 @@ fn projective_dynamics_on_the_corner_of_a_table_makes_no_energy() {
     let end = summary(&small, Method::find("pd").unwrap(), &[], 1.0 / 60.0, 20);
     let share = end.energy_excess / end.energy_given;
     assert!(share < 0.01, "{share:e}");
+}
+
+/// The most energy from nowhere (of the most that was given) that a method may show in a scene; none where there is no
+/// bound.
+fn most_energy_from_nowhere(method: &str, scene: &str) -> Option<Real> {
+    match (method, scene) {
+        // Its sweeps end before they have converged, and leave stretch that no force has made.
+        ("pbd", _) => None,
+        // It keeps the energy of one spring, but not that of a sheet, and damps nothing.
+        ("implicit-midpoint", _) => None,
+        // Its one linearisation is that of the step's start, from where the pins turn on.
+        ("linear-implicit", "twist") => None,
+        // Its energy goes up and down about the one that it keeps.
+        ("symplectic-euler", _) => Some(0.012),
+        // A step that gains more than a hundredth is taken again.
+        ("xpbd", _) => Some(0.012),
+        _ => Some(0.0),
+    }
+}
+
+/// Every scene with every method at its default: nothing crosses after any step, neither itself nor a body.
+#[test]
+fn nothing_crosses_and_no_energy_comes_from_nowhere_in_any_scene() {
+    let mut unbounded = BTreeSet::new();
+    for info in &SCENES {
+        let pairs: &[&str] = match info.name {
+            "drop" => &["n=9", "self=yes"],
+            "fold" => &["n=13"],
+            "twist" => &["n=21", "turns=6"],
+            "stack" => &["n=4", "sheets=4"],
+            _ => &["n=9"],
+        };
+        let scene = common::scene(info.name, pairs);
+        for method in methods() {
+            let at = format!("{}, {}", info.name, method.name);
+            // The slowest, and one that gains so much that it keeps contact busy.
+            let steps = match method.name {
+                "xpbd-direct" => 20,
+                "implicit-midpoint" => 10,
+                _ => 40,
+            };
+            let mut watch = SeparationWatch::new(&scene).unwrap();
+            let look = |_, state: &_, _: &_| watch.look(&scene, state);
+            let settings = Variant::default_of(method).settings;
+            let ran = from_start(&scene, method, &settings, scene.dt, steps, look);
+            let (summary, _) = ran.unwrap_or_else(|error| panic!("{at}: {error}"));
+            let seen = watch.seen();
+            let crossed = [seen.crossed_steps, seen.obstacle_crossed_steps];
+            assert_eq!(crossed, [0, 0], "{at}");
+            assert!(seen.min_clearance.is_none_or(|least| least > 0.0), "{at}");
+            let share = summary.energy_excess / summary.energy_given;
+            match most_energy_from_nowhere(method.name, info.name) {
+                Some(most) => assert!(share <= most, "{at}: {share:e}"),
+                None if share > 0.012 => drop(unbounded.insert(method.name)),
+                None => {}
+            }
+        }
+    }
+    let excepted = ["implicit-midpoint", "linear-implicit", "pbd"];
+    assert!(unbounded.into_iter().eq(excepted), "an exception less");
 }

@@ -300,14 +300,15 @@ fn sheet_falls_on_a_ball() {
             + stored
     };
     let ball = Obstacle::new(Sphere::new(0.1).unwrap());
-    let cases: [(&str, Make, u32); 5] = [
-        ("symplectic-euler", symplectic, 200),
-        ("pbd", pbd, 1),
-        ("pbd", pbd, 10),
-        ("xpbd", xpbd, 20),
-        ("xpbd", xpbd, 240),
+    // With the most energy from nowhere (J), of which few substeps and the sweeps of PBD make some.
+    let cases: [(&str, Make, u32, Real); 5] = [
+        ("symplectic-euler", symplectic, 200, 2e-5),
+        ("pbd", pbd, 1, Real::INFINITY),
+        ("pbd", pbd, 10, Real::INFINITY),
+        ("xpbd", xpbd, 20, Real::INFINITY),
+        ("xpbd", xpbd, 240, 0.0),
     ];
-    for (name, make, substeps) in cases {
+    for (name, make, substeps, allowed) in cases {
         let mut stepper = make(&model, substeps);
         let mut contacts = contacts(&mesh, Some(ball.clone()), 0.3);
         let mut state = State::at_rest(mesh.positions().to_vec());
@@ -326,24 +327,24 @@ fn sheet_falls_on_a_ball() {
             most = most.max(now);
         }
         println!("{name}, {substeps} substeps: {most:e} J");
-        if substeps == 240 {
-            assert!(most < 0.0, "{most} J");
-        }
+        assert!(most <= allowed, "{name}, {substeps} substeps: {most} J");
     }
 }
 
-/// Two sheets meet in free flight: linear momentum is kept, and they do not come apart faster than they met.
+/// Two sheets meet in free flight, and come apart slower than they met: linear momentum is kept in every step in which
+/// no vertex is held back. What is held back, at 60 m/s, gives its momentum to nobody.
 #[test]
 fn sheets_that_meet_keep_their_momentum() {
     let one = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
     let count = one.vertex_count();
     let mesh = sheets(&one, &[Vec3::zeros(), Vec3::new(0.013, 0.007, 0.02)]);
     let model = model(&mesh);
-    for (make, speed, substeps) in [
-        (xpbd as Make, 1.0, 20),
-        (xpbd, 60.0, 20),
-        (xpbd, 60.0, 1),
-        (symplectic, 1.0, 200),
+    for (make, speed, substeps, most) in [
+        (xpbd as Make, 1.0, 20, 0.035),
+        (xpbd, 60.0, 20, 1.6),
+        (xpbd, 60.0, 1, 1.9),
+        // It loses nothing: what has stored the blow gives it back.
+        (symplectic, 1.0, 200, 0.67),
     ] {
         let mut stepper = make(&model, substeps);
         let mut contacts = contacts(&mesh, None, 0.2);
@@ -353,20 +354,24 @@ fn sheets_that_meet_keep_their_momentum() {
             let both = state.velocities.iter().zip(model.particles.mass());
             both.map(|(v, m)| v * *m).sum()
         };
-        let before = momentum(&state);
+        let whole = momentum(&state).norm();
         let kinetic = |state: &State| kinetic_energy(&model.particles, &state.velocities);
         let start = kinetic(&state);
         let mut probe = SeparationProbe::new(&mesh);
-        let mut whole = true;
         for _ in 0..10 {
+            let before = momentum(&state);
             step(&mut *stepper, &mut contacts, &mut state, 0.0);
             let seen = probe.measure(&state.positions).unwrap();
             assert_eq!(seen.intersecting_pairs, 0, "{speed} m/s");
-            whole &= contacts.truncated_count() == 0;
+            let change = (momentum(&state) - before).norm() / whole;
+            let is_held = contacts.truncated_count() > 0;
+            assert!(is_held || change < 2e-13, "{speed} m/s: {change:e}");
+            assert!(!is_held || speed > 1.0, "{speed} m/s");
         }
-        let change = (momentum(&state) - before).norm() / before.norm();
-        assert!(!whole || change < 1e-12, "{speed} m/s: {change:e}");
         assert!(kinetic(&state) <= start);
+        let mean = |v: &[Vec3]| v.iter().map(|v| v.z).sum::<Real>() / v.len() as Real;
+        let apart = mean(&state.velocities[count..]) - mean(&state.velocities[..count]);
+        assert!((0.0..most).contains(&apart), "{speed} m/s: {apart} m/s");
     }
 }
 

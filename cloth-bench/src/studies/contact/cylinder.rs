@@ -115,21 +115,23 @@ pub(super) fn wrap(degrees: Real) -> Real {
 
 /// The ratio of the forces at both ends at which a strip slips that goes half-way around.
 pub fn slipping(name: &str, friction: Real) -> Result<Measured, BenchError> {
-    slip(name, TURNS, friction)
+    slip(name, 180.0, friction)
 }
 
 /// The same of a strip that goes around by so many degrees, of which a cell takes 11.25.
 pub fn wrapping(name: &str, degrees: Real) -> Result<Measured, BenchError> {
-    slip(name, turns_of(degrees), MU)
+    slip(name, degrees, MU)
 }
 
 fn turns_of(degrees: Real) -> usize {
     (degrees / 180.0 * TURNS as Real).round() as usize
 }
 
-/// The ratio of the forces at both ends at which a strip without weight slips on the cylinder, the force at one end
-/// growing slowly, infinite if it holds at one and a half times that of its polygon, which is expected.
-fn slip(name: &str, turns: usize, friction: Real) -> Result<Measured, BenchError> {
+/// The ratio of the forces at both ends at which a strip without weight slips that goes around the cylinder by so many
+/// degrees, the force at one end growing slowly, infinite if it holds at one and a half times that of its polygon, which
+/// is expected.
+pub(crate) fn slip(name: &str, degrees: Real, friction: Real) -> Result<Measured, BenchError> {
+    let turns = turns_of(degrees);
     let strip = Strip::new(turns, 6, friction, 0.0)?;
     let scene = &strip.scene;
     let (ends, top) = ([strip.row(0), strip.row(strip.cells())], strip.top());
@@ -204,15 +206,20 @@ pub(super) fn side_pressure(degrees: Real) -> Real {
 /// The pressure on top of the cylinder over that of the weight alone, of a strip that hangs down without friction so
 /// that its ends are so many radii below its top. Expected is that of the height that its cells come to.
 pub fn pressing(name: &str, height_over_radius: Real) -> Result<Measured, BenchError> {
-    press(name, height_over_radius, 0)
+    press(name, height_over_radius, 0.0)
 }
 
 /// The same at an angle from the top, of a strip that hangs down by three radii.
 pub fn pressing_at(name: &str, degrees: Real) -> Result<Measured, BenchError> {
-    press(name, HEIGHT, turns_of(degrees))
+    press(name, HEIGHT, degrees)
 }
 
-fn press(name: &str, height_over_radius: Real, cells: usize) -> Result<Measured, BenchError> {
+pub(crate) fn press(
+    name: &str,
+    height_over_radius: Real,
+    degrees: Real,
+) -> Result<Measured, BenchError> {
+    let cells = turns_of(degrees);
     let around = RADIUS + THICKNESS;
     let side = 2.0 * around * (0.5 * PI / TURNS as Real).sin();
     let tail = ((height_over_radius - 1.0) * around / side).round();
@@ -230,13 +237,33 @@ fn press(name: &str, height_over_radius: Real, cells: usize) -> Result<Measured,
     ))
 }
 
-/// The force of a floor under sheets that lie on each other, over the weight of one.
-pub fn stack(name: &str, sheets: Real) -> Result<Measured, BenchError> {
+/// Sheets that lie on each other on a floor, and the weight (N) of one.
+fn stacked(sheets: Real) -> Result<(Scene, Real), BenchError> {
     let settings = Settings::of("n=6").with("sheets", sheets);
     let scene = scene::build("stack", None, &settings)?;
+    let weight = scene.model.particles.mass().iter().sum::<Real>() * G / sheets;
+    Ok((scene, weight))
+}
+
+/// The force of a floor under sheets that lie on each other, over the weight of one.
+pub fn stack(name: &str, sheets: Real) -> Result<Measured, BenchError> {
+    let (scene, weight) = stacked(sheets)?;
     let force = mean_force(&scene, name, 120, |forces| {
         -forces.bodies.iter().map(|body| body.force.z).sum::<Real>()
     })?;
-    let weight = scene.model.particles.mass().iter().sum::<Real>() * G / sheets;
     Ok(Measured::new(sheets, force / weight))
+}
+
+/// Sheets of the stack within which pressure is looked at.
+const SHEETS: Real = 3.0;
+
+/// The force through the gap below so many sheets, the upper ones of three, over the weight of one.
+pub fn carried(name: &str, above: Real) -> Result<Measured, BenchError> {
+    let (scene, weight) = stacked(SHEETS)?;
+    let count = scene.start.positions.len();
+    let first = count - (above / SHEETS * count as Real).round() as usize;
+    let force = mean_force(&scene, name, 120, |forces| {
+        forces.normal[first..].iter().map(|force| force.z).sum()
+    })?;
+    Ok(Measured::new(above, force / weight))
 }

@@ -4,11 +4,11 @@ use super::cylinder;
 use crate::studies::prelude::*;
 
 /// Acceleration of free fall (m/s²).
-pub(super) const G: Real = 9.81;
+pub(crate) const G: Real = 9.81;
 /// Coefficient of friction.
 pub(super) const MU: Real = 0.3;
 /// Thickness (m) and stiffness (Pa/m) of contact, the defaults of scenes.
-pub(super) const THICKNESS: Real = 2e-3;
+pub(crate) const THICKNESS: Real = 2e-3;
 pub(super) const KAPPA: Real = 1e6;
 /// Areal density (kg/m²) at which meshes are compared.
 const HEAVY: Real = 20.0;
@@ -22,32 +22,44 @@ pub fn methods() -> Vec<&'static str> {
         "symplectic-euler",
         "implicit-euler",
         "linear-implicit",
+        "implicit-midpoint",
         "bdf2",
         "pbd",
         "xpbd",
+        "xpbd-direct",
         "pd",
     ])
 }
 
 /// A sheet of `n` vertices a side above a floor, at the gap (m), under gravity that is inclined by an angle (rad).
-fn sheet(n: u32, density: Real, angle: Real, gap: Real) -> Result<Scene, BenchError> {
+fn sheet(
+    n: u32,
+    density: Real,
+    angle: Real,
+    friction: Real,
+    gap: Real,
+) -> Result<Scene, BenchError> {
     let floor = gap - 2.0 * THICKNESS;
     let settings = Settings::of(&format!(
-        "n={n} density={density} friction={MU} thickness={THICKNESS} contact_stiffness={KAPPA} floor={floor}"
+        "n={n} density={density} friction={friction} thickness={THICKNESS} contact_stiffness={KAPPA} floor={floor}"
     ));
     let mut scene = scene::build("drop", None, &settings)?;
     scene.gravity = Vec3::new(angle.sin(), 0.0, -angle.cos()) * G;
     Ok(scene)
 }
 
-/// The gap (m) at which the pressure carries the weight, h − ρ g cos α/κ.
+/// The gap (m) at which the pressure p = ρ g cos α carries the weight: h − p/κ, or κ h²/(4 p) in the barrier below h/2.
 fn gap(density: Real, angle: Real) -> Real {
-    THICKNESS - density * G * angle.cos() / KAPPA
+    let pressure = density * G * angle.cos();
+    match THICKNESS - pressure / KAPPA {
+        gap if gap >= 0.5 * THICKNESS => gap,
+        _ => KAPPA * THICKNESS * THICKNESS / (4.0 * pressure),
+    }
 }
 
 /// What gravity has left against friction (m/s²).
-fn pull(angle: Real) -> Real {
-    G * (angle.sin() - MU * angle.cos()).max(0.0)
+fn pull(angle: Real, friction: Real) -> Real {
+    G * (angle.sin() - friction * angle.cos()).max(0.0)
 }
 
 /// What a closed form says, and what a method makes of it.
@@ -68,9 +80,14 @@ impl Measured {
 
 /// How far (m) a sheet slides from rest, and the closed form of the method's own steps, as of its free fall.
 pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
+    slide_with(name, degrees, MU)
+}
+
+/// The same with another coefficient of friction.
+pub fn slide_with(name: &str, degrees: Real, friction: Real) -> Result<Measured, BenchError> {
     let angle = degrees.to_radians();
     let density = 0.2;
-    let scene = sheet(9, density, angle, gap(density, angle))?;
+    let scene = sheet(9, density, angle, friction, gap(density, angle))?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let (_, end) = run::simulate(&scene, method, &settings, scene.dt, SLIDE)?;
@@ -80,7 +97,10 @@ pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
     let substeps = method.substeps(&scene, &settings, scene.dt)?;
     let h = scene.dt / Real::from(substeps);
     let steps = method.free_fall(SLIDE * substeps);
-    Ok(Measured::new(0.5 * pull(angle) * h * h * steps, measured))
+    Ok(Measured::new(
+        0.5 * pull(angle, friction) * h * h * steps,
+        measured,
+    ))
 }
 
 /// The gap (m) at which a sheet of an areal density (kg/m²) comes to rest.
@@ -94,7 +114,7 @@ pub fn rest_at(name: &str, vertices_a_side: Real) -> Result<Measured, BenchError
 }
 
 fn settle(name: &str, n: u32, density: Real) -> Result<Measured, BenchError> {
-    let scene = sheet(n, density, 0.0, THICKNESS)?;
+    let scene = sheet(n, density, 0.0, MU, THICKNESS)?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let start = scene.start.positions.iter().map(|x| x.z).sum::<Real>();
@@ -116,14 +136,14 @@ struct Law {
     measure: fn(&str, Real) -> Result<Measured, BenchError>,
 }
 
-const LAWS: [Law; 8] = [
+const LAWS: [Law; 9] = [
     Law {
         name: "slide",
         title: "How far a sheet slides within 0.5 s down a slope, μ = 0.3",
         x: "slope (°)",
         y: "way (m)",
         exact: "½ g (sin α − μ cos α) t²",
-        closed_form: |degrees| 0.125 * pull(degrees.to_radians()),
+        closed_form: |degrees| 0.125 * pull(degrees.to_radians(), MU),
         points: [
             &[10.0, 20.0, 40.0],
             &[
@@ -162,6 +182,16 @@ const LAWS: [Law; 8] = [
         closed_form: |sheets| sheets,
         points: [&[1.0, 3.0], &[1.0, 2.0, 3.0, 5.0, 10.0]],
         measure: cylinder::stack,
+    },
+    Law {
+        name: "stack-gap",
+        title: "The force through a gap within three such sheets, over the weight of one",
+        x: "sheets above the gap (dimensionless)",
+        y: "force over one weight (dimensionless)",
+        exact: "j",
+        closed_form: |above| above,
+        points: [&[1.0, 3.0], &[1.0, 2.0, 3.0]],
+        measure: cylinder::carried,
     },
     Law {
         name: "capstan",

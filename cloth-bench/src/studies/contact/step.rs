@@ -209,7 +209,7 @@ pub fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
         _ => counts.clone(),
     };
     let own = iterating_own().map(|own| {
-        let mut variant = Variant::default_of(own);
+        let mut variant = Variant::uncut(own);
         variant.label.push_str(", by iterations");
         (variant, "iterations")
     });
@@ -238,11 +238,7 @@ type Way = (Variant, String);
 fn by_default() -> Vec<Way> {
     method::all()
         .filter(|method| method.aims_at_implicit_euler() && !method.is_never_stable())
-        .map(|method| {
-            let mut variant = Variant::default_of(method);
-            variant.settings = method.by_default(variant.settings);
-            (variant, "default".to_owned())
-        })
+        .map(|method| (Variant::default_of(method), "default".to_owned()))
         .collect()
 }
 

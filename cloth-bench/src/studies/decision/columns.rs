@@ -70,7 +70,7 @@ pub(super) const COLUMNS: [Column; 12] = [
     Column {
         name: "stable up to (N/m)",
         unit: "N/m",
-        value: |r| r.step.as_ref()?.stable,
+        value: |r| r.step.as_ref()?.stable.stable,
         say: power,
         rule: Rule::Above(1e4),
     },
@@ -161,8 +161,13 @@ impl Column {
 
     /// The value of a row as a reader wants it.
     pub(super) fn said(&self, row: &Row, value: Real) -> String {
-        let uncut = if self.is_uncut(row) { " uncut" } else { "" };
-        (self.say)(value) + uncut
+        let strained = row.step.as_ref().and_then(|step| step.stable.strained);
+        let more = match strained.filter(|_| self.name.starts_with("stable")) {
+            _ if self.is_uncut(row) => " uncut".to_owned(),
+            Some(stiffness) => format!(", strained from {}", power(stiffness)),
+            None => String::new(),
+        };
+        (self.say)(value) + &more
     }
 
     /// The value of a row, and what to think of it beside the others.

@@ -1,6 +1,7 @@
 //! What is measured of a method, and on which sheets.
 
-use super::super::{Scope, locking, scale, sheets, stability};
+use super::super::stability::{self, StableUpTo};
+use super::super::{Scope, locking, scale, sheets};
 use crate::studies::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -72,7 +73,7 @@ pub struct Step {
     /// Largest strain of an edge of the hanging sheet (dimensionless).
     pub stretch: Option<Real>,
     /// The largest stiffness (N/m), by decades.
-    pub stable: Option<Real>,
+    pub stable: StableUpTo,
     /// Angle over the exact one (dimensionless).
     pub fold: Option<Real>,
     /// Why a number is missing.
@@ -132,7 +133,9 @@ fn error_of_a_step(n: u32, method: &Method) -> Result<Real, BenchError> {
 /// [`BenchError::Failed`] for a scene that cannot be built.
 pub fn hopeless(scope: Scope) -> Result<String, BenchError> {
     let stable = stability::stable_up_to(scale::WITHOUT, stable_steps(scope))?;
-    Ok(stable.map_or("never, as expected".into(), super::columns::power))
+    Ok(stable
+        .stable
+        .map_or("never, as expected".into(), super::columns::power))
 }
 
 /// The memory (B) of the method of which no step is stable.

@@ -10,7 +10,7 @@ const KEPT: Real = 1e-6;
 /// Methods with so many iterations a step, and how their sweeps go.
 pub fn cases(scope: Scope) -> impl Iterator<Item = (Variant, u32)> {
     let counts: &[u32] = scope.pick(&[1, 4, 16], &[1, 4, 16, 64, 256]);
-    let own = iterating_own().map(Variant::default_of);
+    let own = iterating_own().map(Variant::uncut);
     let variants = Variant::list(
         "pbd, colours: sweep=colored
         pbd, sequential: sweep=sequential

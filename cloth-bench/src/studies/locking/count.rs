@@ -4,7 +4,7 @@ use crate::mesh_spec;
 use crate::studies::prelude::*;
 use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_core::mesh::TriMesh;
-use cloth_core::topology::{EdgeTable, Topology};
+use cloth_core::topology::{EdgeTable, Topology, bow_tie_vertices, inconsistently_oriented_edges};
 
 pub(super) const PATTERNS: [&str; 5] = [
     "one-way",
@@ -22,6 +22,10 @@ const SIZES: [&[usize]; 2] = [&[4, 8, 16, 32], &[4, 8, 16, 32, 64, 128]];
 pub struct Locking {
     /// The counts.
     pub topology: Topology,
+    /// Vertices where separate fans of triangles touch.
+    pub bow_tie_vertices: usize,
+    /// Edges across which front and back change places.
+    pub inconsistently_oriented_edges: usize,
     /// At rest.
     pub flat: EdgeRank,
     /// After [`perturbed`].
@@ -37,6 +41,8 @@ impl Locking {
         let edges = EdgeTable::build(mesh).map_err(BenchError::usage)?;
         Ok(Self {
             topology: Topology::of(mesh, &edges),
+            bow_tie_vertices: bow_tie_vertices(mesh, &edges).len(),
+            inconsistently_oriented_edges: inconsistently_oriented_edges(mesh, &edges).len(),
             flat: EdgeRank::measure(mesh.positions(), &edges)?,
             bent: EdgeRank::measure(&perturbed(mesh.positions()), &edges)?,
         })
@@ -77,6 +83,7 @@ impl Counted {
             topology: t,
             flat,
             bent,
+            ..
         } = Locking::of(&mesh_of(pattern, cells)?)?;
         Ok(Self {
             vertices: t.vertices,

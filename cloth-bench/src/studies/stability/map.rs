@@ -49,7 +49,7 @@ const STEPS_AND_STIFFNESSES: [[&[Real]; 2]; 2] = [
 
 /// Every method at its published setting.
 fn published() -> Vec<Variant> {
-    method::all().map(Variant::default_of).collect()
+    method::all().map(Variant::published).collect()
 }
 
 /// Every method that iterates, cut short after the first, and the one that does so by its nature.
@@ -68,7 +68,7 @@ fn cut_short() -> Vec<Variant> {
     );
     let one = |own| Variant {
         settings: Settings::of("iterations=1"),
-        ..Variant::default_of(own)
+        ..Variant::uncut(own)
     };
     variants.extend(iterating_own().map(one));
     variants
@@ -81,7 +81,7 @@ fn with_single() -> Vec<Variant> {
         xpbd, single precision: precision=single",
     );
     let implicit = method::all().filter(|method| !method.is_explicit());
-    implicit.map(Variant::default_of).chain(more).collect()
+    implicit.map(Variant::published).chain(more).collect()
 }
 
 /// Values are those of the quick scope, across and down, then of the full one.
@@ -181,8 +181,8 @@ pub fn worst(
 
 /// What a method makes of the fall of a sheet with springs of so many N/m, in steps of 1/60 s.
 pub(super) fn falls(stiffness: Real, method: &str, steps: u32) -> Result<Fate, BenchError> {
-    let published = Variant::default_of(Method::find(method)?);
-    follow(&jittered(&hung(stiffness)?, 1), &published, STEP, steps)
+    let by_default = Variant::default_of(Method::find(method)?);
+    follow(&jittered(&hung(stiffness)?, 1), &by_default, STEP, steps)
 }
 
 fn jittered(scene: &Scene, seed: u64) -> Scene {

@@ -26,8 +26,11 @@ fn steps_are_ordered_as_theory_has_it() {
     // Solved to the end, a sheet stretches as little as its springs allow; cut short, it stretches more.
     let stretches = steps.each_ref().map(|step| step.stretch.unwrap());
     assert!(stretches[3] > 20.0 * stretches[0], "{stretches:?}");
+    // One linear solve and sweeps that end before they have converged leave more in stiff springs than the fall gives.
+    let strained = steps.each_ref().map(|step| step.stable.strained);
+    assert_eq!(strained, [None, None, Some(1e5), Some(10.0)]);
     for step in &steps {
-        assert_eq!(step.stable, Some(1e9), "{step:?}");
+        assert_eq!(step.stable.stable, Some(1e9), "{step:?}");
         assert_eq!(step.reasons, [""; 0]);
         // None of them locks: edges lie along the fold.
         assert!(step.fold.unwrap() > 1.0, "{step:?}");
@@ -38,7 +41,7 @@ fn steps_are_ordered_as_theory_has_it() {
 fn failures_that_theory_foretells_are_no_alarm() {
     assert_eq!(hopeless(Scope::Quick).unwrap(), "never, as expected");
     let limit = stable_up_to("symplectic-euler", 20).unwrap();
-    assert_eq!(limit, Some(1.0));
+    assert_eq!(limit.stable, Some(1.0));
     let table = shown(Scope::Quick, &[], "never", Some(2e7));
     assert!(table.rows[0].contains(&Cell::Marked("never".into(), Mark::Expected)));
     assert!(table.rows[0].contains(&Cell::said("20 MB")));

@@ -40,7 +40,7 @@ fn far_from_the_origin_every_method_fares_as_at_it() {
         assert_eq!(severity(&row[0]), severity(&row[1]), "{}", variant.label);
     }
     let far = map::far_away(1e12, 1e2).unwrap();
-    let xpbd = Variant::default_of(Method::find("xpbd").unwrap());
+    let xpbd = Variant::published(Method::find("xpbd").unwrap());
     let fate = follow(&far, &xpbd, 1.0 / 60.0, 60).unwrap();
     assert!(fate.is_lost(), "{fate:?}");
 }
@@ -64,7 +64,7 @@ fn one_iteration_a_step_does_not_always_serve() {
         let cut_short = cut_short.iter().find(|one| one.label == label).unwrap();
         assert_eq!(row(cut_short, stiffness), expected, "{label}");
     }
-    let published = Variant::default_of(Method::find("implicit-euler").unwrap());
+    let published = Variant::published(Method::find("implicit-euler").unwrap());
     assert_eq!(row(&published, 1e6), [0; 3]);
 }
 
