@@ -67,7 +67,7 @@ fn floors_and_gaps_bear_the_weight_of_what_lies_on_them() {
         ("symplectic-euler", 2e-10, 7e-4),
         ("implicit-euler", 3e-5, 5e-4),
         ("linear-implicit", 2e-3, 2e-3),
-        ("implicit-midpoint", 6e-6, 9e-4),
+        ("implicit-midpoint", 2e-4, 9e-4),
         ("bdf2", 2e-4, 2e-4),
         ("pbd", 1e-8, 1e-4),
         ("xpbd", 1e-12, 1e-3),
