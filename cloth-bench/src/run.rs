@@ -144,7 +144,7 @@ struct Course<'a> {
     air: Option<Air>,
     /// Forces that act by now.
     pushes: Vec<Push>,
-    /// Forces (N) of air and gas, and those of the scene, where there is more than air.
+    /// Forces (N) of gas, and those of the scene.
     load: Vec<Vec3>,
     /// Time that the last step took (s), without that of its energy balance, and that of contact in it.
     seconds: Real,
@@ -305,15 +305,15 @@ impl<'a> Course<'a> {
             balance.begin_step(state);
         }
         let started = Instant::now();
-        let load = load(
-            &mut self.air,
-            (&self.scene.gases, &self.pushes, &mut self.load),
-            state,
-            dt,
-        );
+        let acting = (&self.scene.gases[..], &self.pushes[..]);
+        let load = load(acting, &mut self.load, &state.positions);
         let mut input = StepInput::new(dt).gravity(self.scene.gravity);
         if let Some(load) = load {
             input = input.load(load);
+        }
+        if let Some(air) = &mut self.air {
+            air.load(state, dt);
+            input = input.air(air);
         }
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(contacts);
@@ -327,7 +327,7 @@ impl<'a> Course<'a> {
             let contacts = self.contacts.as_ref();
             let bodies = contacts.map_or(0.0, ContactSource::work);
             let stored = contacts.map_or(0.0, ContactSource::potential_energy);
-            balance.add_work(state, load, &report, bodies);
+            balance.add_work(state, (load, self.air.as_ref()), &report, bodies);
             if is_tangled || self.scene.is_driven(state.time, dt) {
                 balance.accept(state, stored);
             }

@@ -11,17 +11,42 @@
 //! |u|² cos θ and the lift ½ ρ C_L A |u|² cos θ sin θ. Each corner takes a third; both sides of the cloth count alike.
 //! All of these grow with the square of the speed.
 //!
+//! # In a step
+//! The force depends on the velocity, and is taken where the (sub)step of h (s) ends: to first order it is there
+//!
+//! F(v₀) − D (v − v₀),   D = Σ ⅓ ½ ρ A (|u·n| (C_D + C_L |cos θ|) I + (C_D |u·n| + C_L |u| sin² θ) n nᵀ)
+//!
+//! with v₀ at its start and D (kg/s) of each vertex the sum over its triangles ([`Air::linearize`]). D is not the whole
+//! derivative: the parts that are not symmetric, and what couples the corners, are left at the start, and what is kept
+//! is positive semidefinite and not less than what the whole takes from a motion. So
+//!
+//! - cloth that is held feels all of the pressure, whatever the step: v = v₀ = 0, and nothing of F is lost;
+//! - cloth that is free comes nearer to the velocity of the air, and never gets beyond it: the part of u along n, and
+//!   the part across it where C_L ≤ C_D, shrink in a step of any length and keep their signs;
+//! - the energy that comes to rest in a steady wind stays what the wind has pushed it to.
+//!
+//! Implicit methods have the term `½ (v − v₀)ᵀ D (v − v₀) h` in what they minimise, explicit ones divide by `I + h D/m`,
+//! and methods with sweeps project every vertex on it, as XPBD does a constraint of the stiffness D/h
+//! ([`Air::project`]); the last two in every substep.
+//!
 //! # Limits
 //! - The air does not know of the cloth: no wake, no shelter of one fold by another, no friction along the surface, no
 //!   mass of air that moves along.
-//! - The force is that at the start of a step. Its impulse is therefore bounded where a light cloth meets much air in a
-//!   long step: never more than what leaves the triangle with the smallest speed relative to the air. So no wind makes
-//!   a step unstable, and where the bound does not act the force is the formula's.
+//! - Where C_L > C_D a step that is long for the mass of the cloth may turn the flow farther than it should, and leave
+//!   up to twice the speed along the surface.
+//! - A method that knows nothing of D, such as one of the caller's, has the force at the start of a step
+//!   ([`Air::load`]). Its impulse is bounded: never more than what leaves the triangle, were it free, with the smallest
+//!   speed relative to the air. So no wind makes a step unstable, but where the bound acts, cloth that is held feels
+//!   less than the pressure. Plain and Chebyshev iterations of projective dynamics, whose matrix is constant, have it.
+
+mod projection;
 
 use crate::error::{OutOfRange, finite, not_negative, positive, within};
-use crate::math::{Real, Vec3, gather};
+use crate::math::{Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use crate::particles::State;
+pub use projection::implicit;
+use projection::Projection;
 
 /// What the air is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +95,15 @@ pub struct Air {
     triangles: Vec<[u32; 3]>,
     /// Mass of each triangle (kg), for the bound of its impulse.
     masses: Vec<Real>,
+    /// Force on each vertex (N).
     load: Vec<Vec3>,
+    /// D of each vertex (kg/s), and where the force was taken: positions (m) and velocities (m/s).
+    drag: Vec<Mat3>,
+    positions: Vec<Vec3>,
+    velocities: Vec<Vec3>,
+    /// Work (J) of the substeps that have ended, if the method knows of D.
+    work: Option<Real>,
+    projection: Projection,
 }
 
 impl Air {
@@ -98,43 +131,154 @@ impl Air {
             triangles: mesh.triangles().to_vec(),
             masses: mesh.areas().map(|area| area * areal_density).collect(),
             load: vec![Vec3::zeros(); mesh.vertex_count()],
+            drag: vec![Mat3::zeros(); mesh.vertex_count()],
+            positions: vec![Vec3::zeros(); mesh.vertex_count()],
+            velocities: vec![Vec3::zeros(); mesh.vertex_count()],
+            work: None,
+            projection: Projection::default(),
         })
     }
 
-    /// Force of the air (N) on each vertex, for a step of `dt` (s) from `state`: what
-    /// [`StepInput::load`](crate::step::StepInput::load) takes.
+    /// Begins a step of `dt` (s) from `state`: the force of the air there on each vertex (N), with a bounded impulse.
     ///
     /// # Panics
     /// If the state has fewer vertices than the mesh.
     pub fn load(&mut self, state: &State, dt: Real) -> &[Vec3] {
-        self.load.fill(Vec3::zeros());
-        for (&corners, &mass) in self.triangles.iter().zip(&self.masses) {
-            let [a, b, c] = gather(&state.positions, corners);
-            let [v0, v1, v2] = gather(&state.velocities, corners);
-            let flow = self.config.wind - (v0 + v1 + v2) / 3.0;
-            let third = force(&self.config, (b - a).cross(&(c - a)), flow, mass / dt) / 3.0;
-            for vertex in corners {
-                self.load[vertex as usize] += third;
+        self.restart();
+        self.take_forces(&state.positions, &state.velocities);
+        for (t, &mass) in self.masses.iter().enumerate() {
+            let (corners, area2, flow) = self.triangle(t);
+            let force = force(&self.config, area2, flow);
+            // The speed relative to the air is smallest after the impulse with F Δt/m = û·F/|F| |u|.
+            let most = mass / dt * force.dot(&flow) / force.norm_squared();
+            if most < 1.0 {
+                let third = force * ((1.0 - most) / 3.0);
+                corners.iter().for_each(|v| self.load[*v as usize] -= third);
             }
         }
         &self.load
     }
+
+    /// Takes back all substeps of the step.
+    pub fn restart(&mut self) {
+        self.work = None;
+    }
+
+    /// Begins a substep at positions `x` (m) and velocities `v` (m/s): the forces there, and D.
+    ///
+    /// # Panics
+    /// If there are fewer vertices than in the mesh.
+    pub fn linearize(&mut self, x: &[Vec3], v: &[Vec3]) {
+        self.take_forces(x, v);
+        self.drag.fill(Mat3::zeros());
+        for t in 0..self.triangles.len() {
+            let (corners, area2, flow) = self.triangle(t);
+            let third = drag(&self.config, area2, flow) / 3.0;
+            for vertex in corners {
+                self.drag[vertex as usize] += third;
+            }
+        }
+    }
+
+    /// Force on each vertex (N): at the start of the substep, or in all of it once that has ended.
+    #[must_use]
+    pub fn forces(&self) -> &[Vec3] {
+        &self.load
+    }
+
+    /// D of each vertex (kg/s) in the substep.
+    #[must_use]
+    pub fn drag(&self) -> &[Mat3] {
+        &self.drag
+    }
+
+    /// Velocities (m/s) v₀ at the start of the substep.
+    #[must_use]
+    pub fn velocities(&self) -> &[Vec3] {
+        &self.velocities
+    }
+
+    /// Gets ready for [`project`](Self::project) in a substep of `h` (s), with the inverse masses `w` (1/kg).
+    pub fn begin_projection(&mut self, w: &[Real], h: Real) {
+        self.projection.begin(&self.drag, w, h);
+    }
+
+    /// Projects the positions `x` (m) of the free vertices onto what the drag leaves of their motion: one sweep.
+    pub fn project(&mut self, x: &mut [Vec3]) {
+        let starts = self.positions.iter().zip(&self.velocities);
+        self.projection.sweep(&self.drag, starts, x);
+    }
+
+    /// Ends the substep, whose forces act with the velocities `v` (m/s), at `x` (m); `w` are the inverse masses (1/kg).
+    pub fn end(&mut self, x: &[Vec3], v: &[Vec3], w: &[Real]) {
+        for (vertex, force) in self.load.iter_mut().enumerate() {
+            *force -= self.drag[vertex] * (v[vertex] - self.velocities[vertex]);
+        }
+        self.work = Some(self.work.unwrap_or(0.0) + self.work_of_substep(x, w));
+    }
+
+    /// Work (J) of the air on free vertices in the step that has ended at `x` (m).
+    #[must_use]
+    pub fn work(&self, x: &[Vec3], w: &[Real]) -> Real {
+        self.work.unwrap_or_else(|| self.work_of_substep(x, w))
+    }
+
+    fn work_of_substep(&self, x: &[Vec3], w: &[Real]) -> Real {
+        let free = (0..self.load.len()).filter(|&v| w[v] > 0.0);
+        free.map(|v| self.load[v].dot(&(x[v] - self.positions[v])))
+            .sum()
+    }
+
+    fn take_forces(&mut self, x: &[Vec3], v: &[Vec3]) {
+        self.positions.copy_from_slice(x);
+        self.velocities.copy_from_slice(v);
+        self.load.fill(Vec3::zeros());
+        for t in 0..self.triangles.len() {
+            let (corners, area2, flow) = self.triangle(t);
+            let third = force(&self.config, area2, flow) / 3.0;
+            for vertex in corners {
+                self.load[vertex as usize] += third;
+            }
+        }
+    }
+
+    /// The corners of a triangle, its normal of twice its area (m²), and the flow there (m/s).
+    fn triangle(&self, t: usize) -> ([u32; 3], Vec3, Vec3) {
+        let corners = self.triangles[t];
+        let [a, b, c] = gather(&self.positions, corners);
+        let [v0, v1, v2] = gather(&self.velocities, corners);
+        let flow = self.config.wind - (v0 + v1 + v2) / 3.0;
+        (corners, (b - a).cross(&(c - a)), flow)
+    }
 }
 
-/// Force (N) on a triangle with the normal `area2` of twice its area (m²) in a `flow` (m/s), bounded by `rate` = m/Δt
-/// (kg/s).
-fn force(config: &AirConfig, area2: Vec3, flow: Vec3, rate: Real) -> Vec3 {
-    let speed = flow.norm();
-    // A |u|cos θ; the sign turns the normal to the side to which the air flows.
-    let through = 0.5 * area2.dot(&flow);
-    let Some(normal) = area2.try_normalize(0.0).filter(|_| through != 0.0) else {
-        return Vec3::zeros(); // no area, no wind, or wind along the surface
+/// Force (N) on a triangle with the normal `area2` of twice its area (m²) in a `flow` (m/s).
+fn force(config: &AirConfig, area2: Vec3, flow: Vec3) -> Vec3 {
+    let Some((normal, through)) = exposure(area2, flow) else {
+        return Vec3::zeros();
     };
-    let normal = normal * through.signum();
+    let speed = flow.norm();
     let across = normal * speed - flow * (normal.dot(&flow) / speed);
-    let force =
-        (flow * config.drag + across * config.lift) * (0.5 * config.density * through.abs());
-    // The speed relative to the air is smallest after the impulse with F Δt/m = û·F/|F| |u|.
-    let most = rate * force.dot(&flow) / force.norm_squared();
-    if most < 1.0 { force * most } else { force }
+    (flow * config.drag + across * config.lift) * (0.5 * config.density * through)
+}
+
+/// D (kg/s) of the same triangle.
+fn drag(config: &AirConfig, area2: Vec3, flow: Vec3) -> Mat3 {
+    let Some((normal, through)) = exposure(area2, flow) else {
+        return Mat3::zeros();
+    };
+    let (speed, along) = (flow.norm(), normal.dot(&flow));
+    let area = 0.5 * area2.norm();
+    let across = (flow - normal * along).norm_squared();
+    let each = through * (config.drag + config.lift * along / speed);
+    let extra = through * config.drag + area * config.lift * across / speed;
+    (Mat3::identity() * each + normal * normal.transpose() * extra) * (0.5 * config.density)
+}
+
+/// The normal on the side to which the air flows, and A |u| cos θ (m³/s); `None` where a triangle has no area, or the
+/// air no motion through it.
+fn exposure(area2: Vec3, flow: Vec3) -> Option<(Vec3, Real)> {
+    let through = 0.5 * area2.dot(&flow);
+    let normal = area2.try_normalize(0.0).filter(|_| through != 0.0)?;
+    Some((normal * through.signum(), through.abs()))
 }

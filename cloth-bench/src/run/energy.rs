@@ -17,7 +17,9 @@
 //! | of | W |
 //! |---|---|
 //! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method has added up over its substeps: explicit ones with ∂E/∂x, XPBD with its multipliers, PBD with the sum of what its visits have moved each row by, projective dynamics with its constant matrix and the projections of its last iterate: the forces that they have used |
-//! | the air, gas inside, and forces of the scene | F·Δx, with the load F of the step; with BDF2 F·v Δt, v at its end, where F acts |
+//! | the air | F·Δx in every (sub)step, with the force F in it ([`cloth_core::air`]) |
+//! | gas inside, and forces of the scene | F·Δx, with the load F of the step |
+//! | all of these with BDF2 | F·v Δt, v at its end, where F acts, if that is more |
 //! | vertices that are held from some time on, or released | the kinetic energy and that of gravity which they take along or bring |
 //! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
 //! | seams that close, points of soft pins that move | the same, after steps in which one does |
@@ -45,6 +47,7 @@
 
 use crate::error::BenchError;
 use crate::scene::Scene;
+use cloth_core::air::Air;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::method::family::Energies;
@@ -170,12 +173,12 @@ impl EnergyBalance {
         }
     }
 
-    /// Enters the work of a step that ended in `state`, with the load of the air (N), the work of pins and of the load
-    /// (J) if the method knows it, and that of bodies (J).
+    /// Enters the work of a step that ended in `state`, with a load (N) and the air, the work of pins and of both (J) if
+    /// the method knows it, and that of bodies (J).
     pub(super) fn add_work(
         &mut self,
         state: &State,
-        load: Option<&[Vec3]>,
+        (load, air): (Option<&[Vec3]>, Option<&Air>),
         report: &StepReport,
         bodies: Real,
     ) {
@@ -189,10 +192,11 @@ impl EnergyBalance {
             let force = |v: usize| 0.5 * (begin[v] + end[v]);
             self.entries.work += self.work_of(state, true, force);
         }
-        if let Some(load) = load {
-            let work = || self.work_of(state, false, |v| load[v]);
-            self.entries.work += report.load_work.unwrap_or_else(work);
-        }
+        self.entries.work += report.load_work.unwrap_or_else(|| {
+            let w = self.particles.inverse_mass();
+            load.map_or(0.0, |load| self.work_of(state, false, |v| load[v]))
+                + air.map_or(0.0, |air| air.work(&state.positions, w))
+        });
     }
 
     /// Takes what the cloth holds in `state` beyond what it was given, contact with its `stored` energy (J), for given:

@@ -191,6 +191,7 @@ impl<S> ImplicitBuilder<S> {
             predicted: zeros.clone(),
             before: (zeros, 0.0),
             damper,
+            coasting: Vec::new(),
             room: Room::default(),
             particles: self.particles,
             energies,

@@ -19,7 +19,7 @@ impl PdSolver {
                 StartGuess::Predicted => inertial[vertex],
             };
         }
-        if self.config.start == StartGuess::Inertial {
+        if self.config.start == StartGuess::Inertial && !self.objective.is_dragged() {
             self.free_components.align(Some(inertial), q);
         }
         self.point.is_evaluated = false;
