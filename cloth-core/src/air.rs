@@ -45,8 +45,8 @@ use crate::error::{OutOfRange, finite, not_negative, positive, within};
 use crate::math::{Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use crate::particles::State;
-pub use projection::implicit;
 use projection::Projection;
+pub use projection::implicit;
 
 /// What the air is like.
 #[derive(Clone, Copy, Debug, PartialEq)]

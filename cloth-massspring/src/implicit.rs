@@ -448,18 +448,24 @@ impl Implicit {
 
     /// Work (J) of prescribed vertices, by the forces that the stage ends with; nothing where none moves.
     fn pin_work(&mut self, state: &State, dt: Real) -> Option<Real> {
-        let moves = |&v: &usize| {
-            self.particles.is_prescribed(v) && state.velocities[v] != Vec3::zeros()
-        };
+        let moves =
+            |&v: &usize| self.particles.is_prescribed(v) && state.velocities[v] != Vec3::zeros();
         let moving = (0..self.particles.len()).filter(moves);
         moving.clone().next()?;
-        let (x, forces) = (&self.minimizer.current.positions, &mut self.minimizer.next.gradient);
+        let (x, forces) = (
+            &self.minimizer.current.positions,
+            &mut self.minimizer.next.gradient,
+        );
         forces.fill(Vec3::zeros());
         self.energies.add_gradient(x, forces);
         if let Some(damper) = &self.damper {
             damper.add_gradient(x, forces);
         }
-        Some(moving.map(|v| forces[v].dot(&state.velocities[v]) * dt).sum())
+        Some(
+            moving
+                .map(|v| forces[v].dot(&state.velocities[v]) * dt)
+                .sum(),
+        )
     }
 
     /// Whether the state is the one that the last step left.

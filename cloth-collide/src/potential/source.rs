@@ -104,6 +104,7 @@ impl Contacts {
     ) -> Result<(), ContactError> {
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
+        let of_free = self.free.work;
         let ledger = self.ledger.take();
         let kept = self
             .begin_step(step)
@@ -116,6 +117,7 @@ impl Contacts {
         self.is_open = true;
         self.undo();
         (self.work, self.energy, self.held) = (work, energy, held + moved);
+        self.free.work = of_free;
         Ok(())
     }
 }

@@ -163,9 +163,11 @@ impl Stepper for Bdf2 {
                 tau: 2.0 / 3.0 * dt,
                 place: Place::End,
             };
-            let mut report = self.implicit.advance(state, &mut input, span, |vertex, x, v| {
-                [third(x, positions[vertex]), third(v, velocities[vertex])]
-            })?;
+            let mut report = self
+                .implicit
+                .advance(state, &mut input, span, |vertex, x, v| {
+                    [third(x, positions[vertex]), third(v, velocities[vertex])]
+                })?;
             let has_load = input.load.is_some() || input.air.is_some();
             report.load_work = has_load.then(|| self.work_of(&input, state));
             has_jumped = fall.is_some_and(|fall| self.jumps(state, fall));

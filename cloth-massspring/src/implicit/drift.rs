@@ -88,7 +88,9 @@ fn shift_to_minimum(
         let (own, x) = (g.particles.mass()[vertex], point.positions[vertex]);
         stiffness += of(vertex);
         force -= (x - g.predicted[vertex]) * (own * per_time);
-        force -= stage.air.map_or(Vec3::zeros(), |air| air.gradient(vertex, x));
+        force -= stage
+            .air
+            .map_or(Vec3::zeros(), |air| air.gradient(vertex, x));
     }
     let shift = match stage.air {
         Some(_) => stiffness.try_inverse().unwrap_or_else(Mat3::zeros) * force,
