@@ -145,16 +145,14 @@ impl Air {
     /// If the state has fewer vertices than the mesh.
     pub fn load(&mut self, state: &State, dt: Real) -> &[Vec3] {
         self.restart();
-        self.take_forces(&state.positions, &state.velocities);
-        for (t, &mass) in self.masses.iter().enumerate() {
-            let (corners, area2, flow) = self.triangle(t);
-            let force = force(&self.config, area2, flow);
+        self.begin(&state.positions, &state.velocities);
+        for t in 0..self.triangles.len() {
+            let (corners, flow) = self.triangle(t);
+            let force = flow.force(&self.config);
             // The speed relative to the air is smallest after the impulse with F Δt/m = û·F/|F| |u|.
-            let most = mass / dt * force.dot(&flow) / force.norm_squared();
-            if most < 1.0 {
-                let third = force * ((1.0 - most) / 3.0);
-                corners.iter().for_each(|v| self.load[*v as usize] -= third);
-            }
+            let most = self.masses[t] / dt * force.dot(&flow.velocity) / force.norm_squared();
+            let third = if most < 1.0 { force * most } else { force } / 3.0;
+            corners.iter().for_each(|v| self.load[*v as usize] += third);
         }
         &self.load
     }
@@ -169,13 +167,15 @@ impl Air {
     /// # Panics
     /// If there are fewer vertices than in the mesh.
     pub fn linearize(&mut self, x: &[Vec3], v: &[Vec3]) {
-        self.take_forces(x, v);
+        self.begin(x, v);
         self.drag.fill(Mat3::zeros());
         for t in 0..self.triangles.len() {
-            let (corners, area2, flow) = self.triangle(t);
-            let third = drag(&self.config, area2, flow) / 3.0;
-            for vertex in corners {
-                self.drag[vertex as usize] += third;
+            let (corners, flow) = self.triangle(t);
+            let force = flow.force(&self.config) / 3.0;
+            let drag = flow.drag(&self.config) / 3.0;
+            for vertex in corners.map(|v| v as usize) {
+                self.load[vertex] += force;
+                self.drag[vertex] += drag;
             }
         }
     }
@@ -229,56 +229,75 @@ impl Air {
             .sum()
     }
 
-    fn take_forces(&mut self, x: &[Vec3], v: &[Vec3]) {
+    fn begin(&mut self, x: &[Vec3], v: &[Vec3]) {
         self.positions.copy_from_slice(x);
         self.velocities.copy_from_slice(v);
         self.load.fill(Vec3::zeros());
-        for t in 0..self.triangles.len() {
-            let (corners, area2, flow) = self.triangle(t);
-            let third = force(&self.config, area2, flow) / 3.0;
-            for vertex in corners {
-                self.load[vertex as usize] += third;
-            }
-        }
     }
 
-    /// The corners of a triangle, its normal of twice its area (m²), and the flow there (m/s).
-    fn triangle(&self, t: usize) -> ([u32; 3], Vec3, Vec3) {
+    /// The corners of a triangle, and the flow past it.
+    fn triangle(&self, t: usize) -> ([u32; 3], Flow) {
         let corners = self.triangles[t];
         let [a, b, c] = gather(&self.positions, corners);
         let [v0, v1, v2] = gather(&self.velocities, corners);
-        let flow = self.config.wind - (v0 + v1 + v2) / 3.0;
-        (corners, (b - a).cross(&(c - a)), flow)
+        let velocity = self.config.wind - (v0 + v1 + v2) / 3.0;
+        (corners, Flow::past((b - a).cross(&(c - a)), velocity))
     }
 }
 
-/// Force (N) on a triangle with the normal `area2` of twice its area (m²) in a `flow` (m/s).
-fn force(config: &AirConfig, area2: Vec3, flow: Vec3) -> Vec3 {
-    let Some((normal, through)) = exposure(area2, flow) else {
-        return Vec3::zeros();
-    };
-    let speed = flow.norm();
-    let across = normal * speed - flow * (normal.dot(&flow) / speed);
-    (flow * config.drag + across * config.lift) * (0.5 * config.density * through)
+/// The air past a triangle; all but its velocity is zero where it has no area, or no air goes through it.
+struct Flow {
+    /// u (m/s) and |u|.
+    velocity: Vec3,
+    speed: Real,
+    /// n on the side to which the air flows, and |u·n| (m/s).
+    normal: Vec3,
+    through: Real,
+    /// ½ A (m²).
+    half_area: Real,
 }
 
-/// D (kg/s) of the same triangle.
-fn drag(config: &AirConfig, area2: Vec3, flow: Vec3) -> Mat3 {
-    let Some((normal, through)) = exposure(area2, flow) else {
-        return Mat3::zeros();
-    };
-    let (speed, along) = (flow.norm(), normal.dot(&flow));
-    let area = 0.5 * area2.norm();
-    let across = (flow - normal * along).norm_squared();
-    let each = through * (config.drag + config.lift * along / speed);
-    let extra = through * config.drag + area * config.lift * across / speed;
-    (Mat3::identity() * each + normal * normal.transpose() * extra) * (0.5 * config.density)
-}
+impl Flow {
+    /// Past a triangle with the normal `area2` of twice its area (m²).
+    fn past(area2: Vec3, velocity: Vec3) -> Self {
+        let (size, through) = (area2.norm(), area2.dot(&velocity));
+        let is_met = size > 0.0 && through != 0.0;
+        let [per_size, half_area] = match is_met {
+            true => [through.signum() / size, 0.25 * size],
+            false => [0.0; 2],
+        };
+        Self {
+            velocity,
+            speed: velocity.norm(),
+            normal: area2 * per_size,
+            through: through * per_size,
+            half_area,
+        }
+    }
 
-/// The normal on the side to which the air flows, and A |u| cos θ (m³/s); `None` where a triangle has no area, or the
-/// air no motion through it.
-fn exposure(area2: Vec3, flow: Vec3) -> Option<(Vec3, Real)> {
-    let through = 0.5 * area2.dot(&flow);
-    let normal = area2.try_normalize(0.0).filter(|_| through != 0.0)?;
-    Some((normal * through.signum(), through.abs()))
+    /// cos θ.
+    fn cosine(&self) -> Real {
+        match self.through > 0.0 {
+            true => self.through / self.speed,
+            false => 0.0,
+        }
+    }
+
+    /// F (N).
+    fn force(&self, config: &AirConfig) -> Vec3 {
+        let across = self.normal * self.speed - self.velocity * self.cosine();
+        let whole = self.velocity * config.drag + across * config.lift;
+        whole * (config.density * self.half_area * self.through)
+    }
+
+    /// D (kg/s).
+    fn drag(&self, config: &AirConfig) -> Mat3 {
+        let (drag, cosine) = (config.drag * self.through, self.cosine());
+        let each = drag + config.lift * self.through * cosine;
+        let extra = drag + config.lift * self.speed * (1.0 - cosine * cosine).max(0.0);
+        let n = self.normal;
+        let mut matrix = n * (n * extra).transpose();
+        (0..3).for_each(|i| matrix[(i, i)] += each);
+        matrix * (config.density * self.half_area)
+    }
 }
