@@ -211,10 +211,25 @@ impl Air {
 
     /// Ends the substep, whose forces act with the velocities `v` (m/s), at `x` (m); `w` are the inverse masses (1/kg).
     pub fn end(&mut self, x: &[Vec3], v: &[Vec3], w: &[Real]) {
+        self.add_drag(v);
+        self.work = Some(self.work.unwrap_or(0.0) + self.work_of_substep(x, w));
+    }
+
+    /// The same of an explicit substep of `h` (s), whose forces do their work with the mean of the velocities before and
+    /// after it: that is what the kinetic energy gains by them.
+    pub fn end_explicit(&mut self, h: Real, v: &[Vec3], w: &[Real]) {
+        self.add_drag(v);
+        let free = (0..self.load.len()).filter(|&vertex| w[vertex] > 0.0);
+        let works =
+            free.map(|vertex| self.load[vertex].dot(&(self.velocities[vertex] + v[vertex])));
+        self.work = Some(self.work.unwrap_or(0.0) + 0.5 * h * works.sum::<Real>());
+    }
+
+    /// The force that has acted, of the force at the start and the velocities (m/s) at the end.
+    fn add_drag(&mut self, v: &[Vec3]) {
         for (vertex, force) in self.load.iter_mut().enumerate() {
             *force -= self.drag[vertex] * (v[vertex] - self.velocities[vertex]);
         }
-        self.work = Some(self.work.unwrap_or(0.0) + self.work_of_substep(x, w));
     }
 
     /// Work (J) of the air on free vertices in the step that has ended at `x` (m).

@@ -293,7 +293,7 @@ impl Explicit {
         }
         if let Some(air) = &mut input.air {
             let w = self.model.particles.inverse_mass();
-            air.end(&self.positions, &self.velocities, w);
+            air.end_explicit(dt, &self.velocities, w);
         }
         if feels_contact {
             self.touch(input, dt)?;

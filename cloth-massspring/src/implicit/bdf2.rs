@@ -168,6 +168,8 @@ impl Stepper for Bdf2 {
                 .advance(state, &mut input, span, |vertex, x, v| {
                     [third(x, positions[vertex]), third(v, velocities[vertex])]
                 })?;
+            // By the force at the end it would be of first order only.
+            report.pin_work = None;
             let has_load = input.load.is_some() || input.air.is_some();
             report.load_work = has_load.then(|| self.work_of(&input, state));
             has_jumped = fall.is_some_and(|fall| self.jumps(state, fall));
