@@ -27,7 +27,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, StepReport, Stepper};
-use energy::EnergyBalance;
+use energy::{BodyEnergy, EnergyBalance};
 use load::{Push, load, push_of};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -96,11 +96,13 @@ pub struct Summary {
     pub contact_energy: Real,
     /// The sum of these three, and what sealed volumes store (J).
     pub potential_energy: Real,
-    /// The most by which the cloth held more energy than it was given by its start, gravity, moving pins and bodies,
-    /// air and gas (J); 0 if it never did but for rounding.
+    /// The most by which the cloth, and the bodies that it pushes, held more energy than they were given by their start,
+    /// gravity, moving pins and bodies, air and gas (J); 0 if they never did but for rounding.
     pub energy_excess: Real,
-    /// The most that it was given until any step (J).
+    /// The most that they were given until any step (J).
     pub energy_given: Real,
+    /// What lifts the cloth by the mean edge of its triangles (J).
+    pub energy_scale: Real,
     /// The first step after which the cloth moved with energy that it had never been given.
     pub energy_gain: Option<EnergyGain>,
     /// Energy of contact at the start (J), of cloth that is nearer than the thickness to itself or to a body.
@@ -146,7 +148,7 @@ struct Course<'a> {
     air: Option<Air>,
     /// Forces that act by now.
     pushes: Vec<Push>,
-    /// Forces (N) of air and gas, and those of the scene, where there is more than air.
+    /// Forces (N) of gas, and those of the scene.
     load: Vec<Vec3>,
     /// Time that the last step took (s), without that of its energy balance, and that of contact in it.
     seconds: Real,
@@ -169,7 +171,7 @@ impl Summary {
     /// A sentence about energy from nowhere, if there is so much of it that it is worth a warning.
     pub fn energy_warning(&self) -> Option<String> {
         let (excess, given) = (self.energy_excess, self.energy_given);
-        (excess > energy::WORTH_A_WARNING * given).then(|| {
+        (excess > energy::WORTH_A_WARNING * given.max(self.energy_scale)).then(|| {
             format!(
                 "energy from nowhere: the cloth held {excess:.3e} J more than it was given; its start, gravity, pins, bodies and air gave {given:.3e} J at most"
             )
@@ -307,15 +309,15 @@ impl<'a> Course<'a> {
             balance.begin_step(state);
         }
         let started = Instant::now();
-        let load = load(
-            &mut self.air,
-            (&self.scene.gases, &self.pushes, &mut self.load),
-            state,
-            dt,
-        );
+        let acting = (&self.scene.gases[..], &self.pushes[..]);
+        let load = load(acting, &mut self.load, &state.positions);
         let mut input = StepInput::new(dt).gravity(self.scene.gravity);
         if let Some(load) = load {
             input = input.load(load);
+        }
+        if let Some(air) = &mut self.air {
+            air.load(state, dt);
+            input = input.air(air);
         }
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(contacts);
@@ -328,8 +330,11 @@ impl<'a> Course<'a> {
         if let Some(balance) = balance {
             let contacts = self.contacts.as_ref();
             let bodies = contacts.map_or(0.0, ContactSource::work);
+            if let Some(timed) = contacts {
+                balance.add_bodies(&self.scene, &timed.source.contacts);
+            }
             let stored = contacts.map_or(0.0, ContactSource::potential_energy);
-            balance.add_work(state, load, &report, bodies);
+            balance.add_work(state, (load, self.air.as_ref()), &report, bodies);
             if is_tangled || self.scene.is_driven(state.time, dt) {
                 balance.accept(state, stored);
             }
@@ -403,9 +408,9 @@ pub struct Moment<'a> {
     pub report: &'a StepReport,
     /// The forces of contact in it, if the plan wants them and there is something to touch.
     pub forces: Option<&'a ContactForces>,
-    /// What the cloth holds by then (J): kinetic and elastic energy, and that of contact.
+    /// What the cloth, and the bodies that it pushes, hold by then (J): kinetic and elastic energy, and that of contact.
     pub held: Real,
-    /// What it has been given until then (J): what it held at the start, what gravity has released, and work.
+    /// What they have been given until then (J): what they held at the start, what gravity has released, and work.
     pub given: Real,
     /// What crossed before it, of a cloth that starts tangled, until nothing does.
     pub tangled: Option<CrossingPairs>,
@@ -460,7 +465,9 @@ fn take_steps(
     course.record_forces(forces);
     let [stored, contact_energy_at_start] = course.stored(state);
     let start_lift = start::lift(scene, contact_energy_at_start);
-    let mut balance = EnergyBalance::new(scene, state, stored)?;
+    let contacts = course.contacts.as_ref().map(|timed| &timed.source.contacts);
+    let bodies = BodyEnergy::of(scene, contacts);
+    let mut balance = EnergyBalance::new(scene, state, stored, bodies)?;
     let start_height = height(scene, state);
     let mut seconds = Vec::with_capacity(steps as usize);
     let mut contact_seconds = Vec::with_capacity(steps as usize);
@@ -517,6 +524,7 @@ fn take_steps(
         potential_energy: elastic_energy + gravity_energy + stored,
         energy_excess: balance.excess(),
         energy_given: balance.given(),
+        energy_scale: energy::scale(&scene),
         energy_gain: balance.gain(),
         contact_energy_at_start,
         start_lift,

@@ -11,17 +11,42 @@
 //! |u|² cos θ and the lift ½ ρ C_L A |u|² cos θ sin θ. Each corner takes a third; both sides of the cloth count alike.
 //! All of these grow with the square of the speed.
 //!
+//! # In a step
+//! The force depends on the velocity, and is taken where the (sub)step of h (s) ends: to first order it is there
+//!
+//! F(v₀) − D (v − v₀),   D = Σ ⅓ ½ ρ A (|u·n| (C_D + C_L |cos θ|) I + (C_D |u·n| + C_L |u| sin² θ) n nᵀ)
+//!
+//! with v₀ at its start and D (kg/s) of each vertex the sum over its triangles ([`Air::linearize`]). D is not the whole
+//! derivative: the parts that are not symmetric, and what couples the corners, are left at the start, and what is kept
+//! is positive semidefinite and not less than what the whole takes from a motion. So
+//!
+//! - cloth that is held feels all of the pressure, whatever the step: v = v₀ = 0, and nothing of F is lost;
+//! - cloth that is free comes nearer to the velocity of the air, and never gets beyond it: the part of u along n, and
+//!   the part across it where C_L ≤ C_D, shrink in a step of any length and keep their signs;
+//! - the energy that comes to rest in a steady wind stays what the wind has pushed it to.
+//!
+//! Implicit methods have the term `½ (v − v₀)ᵀ D (v − v₀) h` in what they minimise, explicit ones divide by `I + h D/m`,
+//! and methods with sweeps project every vertex on it, as XPBD does a constraint of the stiffness D/h
+//! ([`Air::project`]); the last two in every substep.
+//!
 //! # Limits
 //! - The air does not know of the cloth: no wake, no shelter of one fold by another, no friction along the surface, no
 //!   mass of air that moves along.
-//! - The force is that at the start of a step. Its impulse is therefore bounded where a light cloth meets much air in a
-//!   long step: never more than what leaves the triangle with the smallest speed relative to the air. So no wind makes
-//!   a step unstable, and where the bound does not act the force is the formula's.
+//! - Where C_L > C_D a step that is long for the mass of the cloth may turn the flow farther than it should, and leave
+//!   up to twice the speed along the surface.
+//! - A method that knows nothing of D, such as one of the caller's, has the force at the start of a step
+//!   ([`Air::load`]). Its impulse is bounded: never more than what leaves the triangle, were it free, with the smallest
+//!   speed relative to the air. So no wind makes a step unstable, but where the bound acts, cloth that is held feels
+//!   less than the pressure. Plain and Chebyshev iterations of projective dynamics, whose matrix is constant, have it.
+
+mod projection;
 
 use crate::error::{OutOfRange, finite, not_negative, positive, within};
-use crate::math::{Real, Vec3, gather};
+use crate::math::{Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use crate::particles::State;
+use projection::Projection;
+pub use projection::implicit;
 
 /// What the air is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +95,15 @@ pub struct Air {
     triangles: Vec<[u32; 3]>,
     /// Mass of each triangle (kg), for the bound of its impulse.
     masses: Vec<Real>,
+    /// Force on each vertex (N).
     load: Vec<Vec3>,
+    /// D of each vertex (kg/s), and where the force was taken: positions (m) and velocities (m/s).
+    drag: Vec<Mat3>,
+    positions: Vec<Vec3>,
+    velocities: Vec<Vec3>,
+    /// Work (J) of the substeps that have ended, if the method knows of D.
+    work: Option<Real>,
+    projection: Projection,
 }
 
 impl Air {
@@ -98,43 +131,188 @@ impl Air {
             triangles: mesh.triangles().to_vec(),
             masses: mesh.areas().map(|area| area * areal_density).collect(),
             load: vec![Vec3::zeros(); mesh.vertex_count()],
+            drag: vec![Mat3::zeros(); mesh.vertex_count()],
+            positions: vec![Vec3::zeros(); mesh.vertex_count()],
+            velocities: vec![Vec3::zeros(); mesh.vertex_count()],
+            work: None,
+            projection: Projection::default(),
         })
     }
 
-    /// Force of the air (N) on each vertex, for a step of `dt` (s) from `state`: what
-    /// [`StepInput::load`](crate::step::StepInput::load) takes.
+    /// Begins a step of `dt` (s) from `state`: the force of the air there on each vertex (N), with a bounded impulse.
     ///
     /// # Panics
     /// If the state has fewer vertices than the mesh.
     pub fn load(&mut self, state: &State, dt: Real) -> &[Vec3] {
-        self.load.fill(Vec3::zeros());
-        for (&corners, &mass) in self.triangles.iter().zip(&self.masses) {
-            let [a, b, c] = gather(&state.positions, corners);
-            let [v0, v1, v2] = gather(&state.velocities, corners);
-            let flow = self.config.wind - (v0 + v1 + v2) / 3.0;
-            let third = force(&self.config, (b - a).cross(&(c - a)), flow, mass / dt) / 3.0;
-            for vertex in corners {
-                self.load[vertex as usize] += third;
-            }
+        self.restart();
+        self.begin(&state.positions, &state.velocities);
+        for t in 0..self.triangles.len() {
+            let (corners, flow) = self.triangle(t);
+            let force = flow.force(&self.config);
+            // The speed relative to the air is smallest after the impulse with F Δt/m = û·F/|F| |u|.
+            let most = self.masses[t] / dt * force.dot(&flow.velocity) / force.norm_squared();
+            let third = if most < 1.0 { force * most } else { force } / 3.0;
+            corners.iter().for_each(|v| self.load[*v as usize] += third);
         }
         &self.load
     }
+
+    /// Takes back all substeps of the step.
+    pub fn restart(&mut self) {
+        self.work = None;
+    }
+
+    /// Begins a substep at positions `x` (m) and velocities `v` (m/s): the forces there, and D.
+    ///
+    /// # Panics
+    /// If there are fewer vertices than in the mesh.
+    pub fn linearize(&mut self, x: &[Vec3], v: &[Vec3]) {
+        self.begin(x, v);
+        self.drag.fill(Mat3::zeros());
+        for t in 0..self.triangles.len() {
+            let (corners, flow) = self.triangle(t);
+            let force = flow.force(&self.config) / 3.0;
+            let drag = flow.drag(&self.config) / 3.0;
+            for vertex in corners.map(|v| v as usize) {
+                self.load[vertex] += force;
+                self.drag[vertex] += drag;
+            }
+        }
+    }
+
+    /// Force on each vertex (N): at the start of the substep, or in all of it once that has ended.
+    #[must_use]
+    pub fn forces(&self) -> &[Vec3] {
+        &self.load
+    }
+
+    /// D of each vertex (kg/s) in the substep.
+    #[must_use]
+    pub fn drag(&self) -> &[Mat3] {
+        &self.drag
+    }
+
+    /// Velocities (m/s) v₀ at the start of the substep.
+    #[must_use]
+    pub fn velocities(&self) -> &[Vec3] {
+        &self.velocities
+    }
+
+    /// Gets ready for [`project`](Self::project) in a substep of `h` (s), with the inverse masses `w` (1/kg).
+    pub fn begin_projection(&mut self, w: &[Real], h: Real) {
+        self.projection.begin(&self.drag, w, h);
+    }
+
+    /// Projects the positions `x` (m) of the free vertices onto what the drag leaves of their motion: one sweep.
+    pub fn project(&mut self, x: &mut [Vec3]) {
+        let starts = self.positions.iter().zip(&self.velocities);
+        self.projection.sweep(&self.drag, starts, x);
+    }
+
+    /// Ends the substep, whose forces act with the velocities `v` (m/s), at `x` (m); `w` are the inverse masses (1/kg).
+    pub fn end(&mut self, x: &[Vec3], v: &[Vec3], w: &[Real]) {
+        self.add_drag(v);
+        self.work = Some(self.work.unwrap_or(0.0) + self.work_of_substep(x, w));
+    }
+
+    /// The same of an explicit substep of `h` (s), whose forces do their work with the mean of the velocities before and
+    /// after it: that is what the kinetic energy gains by them.
+    pub fn end_explicit(&mut self, h: Real, v: &[Vec3], w: &[Real]) {
+        self.add_drag(v);
+        let free = (0..self.load.len()).filter(|&vertex| w[vertex] > 0.0);
+        let works =
+            free.map(|vertex| self.load[vertex].dot(&(self.velocities[vertex] + v[vertex])));
+        self.work = Some(self.work.unwrap_or(0.0) + 0.5 * h * works.sum::<Real>());
+    }
+
+    /// The force that has acted, of the force at the start and the velocities (m/s) at the end.
+    fn add_drag(&mut self, v: &[Vec3]) {
+        for (vertex, force) in self.load.iter_mut().enumerate() {
+            *force -= self.drag[vertex] * (v[vertex] - self.velocities[vertex]);
+        }
+    }
+
+    /// Work (J) of the air on free vertices in the step that has ended at `x` (m).
+    #[must_use]
+    pub fn work(&self, x: &[Vec3], w: &[Real]) -> Real {
+        self.work.unwrap_or_else(|| self.work_of_substep(x, w))
+    }
+
+    fn work_of_substep(&self, x: &[Vec3], w: &[Real]) -> Real {
+        let free = (0..self.load.len()).filter(|&v| w[v] > 0.0);
+        free.map(|v| self.load[v].dot(&(x[v] - self.positions[v])))
+            .sum()
+    }
+
+    fn begin(&mut self, x: &[Vec3], v: &[Vec3]) {
+        self.positions.copy_from_slice(x);
+        self.velocities.copy_from_slice(v);
+        self.load.fill(Vec3::zeros());
+    }
+
+    /// The corners of a triangle, and the flow past it.
+    fn triangle(&self, t: usize) -> ([u32; 3], Flow) {
+        let corners = self.triangles[t];
+        let [a, b, c] = gather(&self.positions, corners);
+        let [v0, v1, v2] = gather(&self.velocities, corners);
+        let velocity = self.config.wind - (v0 + v1 + v2) / 3.0;
+        (corners, Flow::past((b - a).cross(&(c - a)), velocity))
+    }
 }
 
-/// Force (N) on a triangle with the normal `area2` of twice its area (m²) in a `flow` (m/s), bounded by `rate` = m/Δt
-/// (kg/s).
-fn force(config: &AirConfig, area2: Vec3, flow: Vec3, rate: Real) -> Vec3 {
-    let speed = flow.norm();
-    // A |u|cos θ; the sign turns the normal to the side to which the air flows.
-    let through = 0.5 * area2.dot(&flow);
-    let Some(normal) = area2.try_normalize(0.0).filter(|_| through != 0.0) else {
-        return Vec3::zeros(); // no area, no wind, or wind along the surface
-    };
-    let normal = normal * through.signum();
-    let across = normal * speed - flow * (normal.dot(&flow) / speed);
-    let force =
-        (flow * config.drag + across * config.lift) * (0.5 * config.density * through.abs());
-    // The speed relative to the air is smallest after the impulse with F Δt/m = û·F/|F| |u|.
-    let most = rate * force.dot(&flow) / force.norm_squared();
-    if most < 1.0 { force * most } else { force }
+/// The air past a triangle; all but its velocity is zero where it has no area, or no air goes through it.
+struct Flow {
+    /// u (m/s) and |u|.
+    velocity: Vec3,
+    speed: Real,
+    /// n on the side to which the air flows, and |u·n| (m/s).
+    normal: Vec3,
+    through: Real,
+    /// ½ A (m²).
+    half_area: Real,
+}
+
+impl Flow {
+    /// Past a triangle with the normal `area2` of twice its area (m²).
+    fn past(area2: Vec3, velocity: Vec3) -> Self {
+        let (size, through) = (area2.norm(), area2.dot(&velocity));
+        let is_met = size > 0.0 && through != 0.0;
+        let [per_size, half_area] = match is_met {
+            true => [through.signum() / size, 0.25 * size],
+            false => [0.0; 2],
+        };
+        Self {
+            velocity,
+            speed: velocity.norm(),
+            normal: area2 * per_size,
+            through: through * per_size,
+            half_area,
+        }
+    }
+
+    /// cos θ.
+    fn cosine(&self) -> Real {
+        match self.through > 0.0 {
+            true => self.through / self.speed,
+            false => 0.0,
+        }
+    }
+
+    /// F (N).
+    fn force(&self, config: &AirConfig) -> Vec3 {
+        let across = self.normal * self.speed - self.velocity * self.cosine();
+        let whole = self.velocity * config.drag + across * config.lift;
+        whole * (config.density * self.half_area * self.through)
+    }
+
+    /// D (kg/s).
+    fn drag(&self, config: &AirConfig) -> Mat3 {
+        let (drag, cosine) = (config.drag * self.through, self.cosine());
+        let each = drag + config.lift * self.through * cosine;
+        let extra = drag + config.lift * self.speed * (1.0 - cosine * cosine).max(0.0);
+        let n = self.normal;
+        let mut matrix = n * (n * extra).transpose();
+        (0..3).for_each(|i| matrix[(i, i)] += each);
+        matrix * (config.density * self.half_area)
+    }
 }

@@ -1,5 +1,6 @@
 //! The contract between a method and those who run it: one step, what goes in, what comes out.
 
+use crate::air::Air;
 use crate::contact::{ContactConstraints, ContactError, ContactPotential, ContactSource};
 use crate::error::OutOfRange;
 use crate::math::{Real, Vec3};
@@ -50,6 +51,8 @@ pub struct StepInput<'a> {
     pub gravity: Vec3,
     /// Further forces (N), one per vertex, constant during the step.
     pub load: Option<&'a [Vec3]>,
+    /// The air around the cloth, which has begun the step ([`Air::load`]); its forces come on top of the load.
+    pub air: Option<&'a mut Air>,
     /// What the cloth can touch. `None`: no code for contact runs.
     pub contacts: Option<&'a mut dyn ContactSource>,
     /// Watches the iterations. `None`: nothing is computed for it.
@@ -62,6 +65,7 @@ impl fmt::Debug for StepInput<'_> {
             .field("dt", &self.dt)
             .field("gravity", &self.gravity)
             .field("load", &self.load.map(<[Vec3]>::len))
+            .field("air", &self.air.is_some())
             .field("contacts", &self.contacts.is_some())
             .field("observer", &self.observer.is_some())
             .finish()
@@ -76,6 +80,7 @@ impl<'a> StepInput<'a> {
             dt,
             gravity: Vec3::zeros(),
             load: None,
+            air: None,
             contacts: None,
             observer: None,
         }
@@ -92,6 +97,13 @@ impl<'a> StepInput<'a> {
     #[must_use]
     pub fn load(mut self, load: &'a [Vec3]) -> Self {
         self.load = Some(load);
+        self
+    }
+
+    /// Sets the air.
+    #[must_use]
+    pub fn air(mut self, air: &'a mut Air) -> Self {
+        self.air = Some(air);
         self
     }
 
@@ -116,7 +128,7 @@ impl<'a> StepInput<'a> {
     /// position or a velocity that is not finite.
     ///
     /// # Panics
-    /// If `state` or the load does not have `vertex_count` entries.
+    /// If `state`, the load or the air does not have `vertex_count` entries.
     pub fn check(&self, state: &State, vertex_count: usize) -> Result<(), StepError> {
         assert_eq!(state.positions.len(), vertex_count, "number of positions");
         assert_eq!(state.velocities.len(), vertex_count, "number of velocities");
@@ -138,6 +150,9 @@ impl<'a> StepInput<'a> {
                     vertex: bad,
                 });
             }
+        }
+        if let Some(air) = &self.air {
+            assert_eq!(air.forces().len(), vertex_count, "vertices in the air");
         }
         match state.first_non_finite() {
             Some(vertex) => Err(StepError::NonFiniteInput {
@@ -168,15 +183,27 @@ impl<'a> StepInput<'a> {
             dt: self.dt,
             gravity: self.gravity,
             load: self.load,
+            air: self.air,
             contacts: contacts.map(|contacts| contacts as &mut dyn ContactSource),
             observer: self.observer.map(|observer| observer as &mut dyn Observer),
         }
     }
 
-    /// Acceleration (m/s²) of a vertex of inverse mass `w` (1/kg) by gravity and load; zero for a prescribed vertex.
+    /// Acceleration (m/s²) of a vertex of inverse mass `w` (1/kg) by gravity, load and air, whose forces are those of
+    /// [`Air::forces`] now; zero for a prescribed vertex.
     #[inline]
     #[must_use]
     pub fn external_acceleration(&self, vertex: usize, w: Real) -> Vec3 {
+        match &self.air {
+            Some(air) => self.steady_acceleration(vertex, w) + air.forces()[vertex] * w,
+            None => self.steady_acceleration(vertex, w),
+        }
+    }
+
+    /// The same without the air: what is constant during the step.
+    #[inline]
+    #[must_use]
+    pub fn steady_acceleration(&self, vertex: usize, w: Real) -> Vec3 {
         if w == 0.0 {
             return Vec3::zeros();
         }

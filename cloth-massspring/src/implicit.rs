@@ -16,7 +16,7 @@
 //!
 //! Without the velocity, a stage says that `x` is a stationary point of `‖x − x̂‖²_M/(2s²) + E(x)` with
 //! `s² = τ²/(1 + ατ)` and `x̂ = x_b + τ v_b/(1 + ατ) + s² g`: the drag α only changes two numbers. The modules below:
-//! the function in `stage` and `damper`, the loops in `minimizer` (default) and `newton`, the matrix in `system`, the
+//! the function in `stage`, `damper` and `air_drag`, the loops in `minimizer` (default) and `newton`, the matrix in `system`, the
 //! step length in `line_search` and, where there is contact, the core's
 //! [`TrustRadius`](cloth_core::method::trust::TrustRadius).
 //!
@@ -28,6 +28,7 @@
 //! (`tests/chapter/main.rs`) and in `solvers` (`order.rs`), which take it through momenta, free fall, pins, refusals
 //! and the order of accuracy.
 
+mod air_drag;
 mod at_end;
 mod bdf2;
 mod builder;
@@ -48,6 +49,7 @@ pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;
 
 use crate::config::{ImplicitConfig, Solve, StartGuess};
+use air_drag::AirDrag;
 use at_end::{AtEnd, EndContactMemory};
 use cloth_core::contact::{ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3};
@@ -184,9 +186,13 @@ impl Stepper for ImplicitEuler {
         }
     }
 
-    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
+    fn step(
+        &mut self,
+        state: &mut State,
+        mut input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
         input.check(state, self.0.particles.len())?;
-        self.0.advance_euler(state, input)
+        self.0.advance_euler(state, &mut input)
     }
 }
 
@@ -195,13 +201,17 @@ impl Stepper for ImplicitMidpoint {
         "implicit-midpoint"
     }
 
-    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
+    fn step(
+        &mut self,
+        state: &mut State,
+        mut input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
         input.check(state, self.0.particles.len())?;
         let span = Extent {
             tau: 0.5 * input.dt,
             place: Place::Middle,
         };
-        self.0.advance(state, input, span, |_, x, v| [x, v])
+        self.0.advance(state, &mut input, span, |_, x, v| [x, v])
     }
 }
 
@@ -242,6 +252,8 @@ struct Implicit {
     /// `v_b` (m/s) and τ (s) of the last stage.
     before: (Vec<Vec3>, Real),
     damper: Option<Damper>,
+    /// Where the stage would end with the velocities before it (m); empty without air.
+    coasting: Vec<Vec3>,
     minimizer: Minimizer,
     /// For contact at the end of a step that is solved for its middle.
     end_contact: EndContactMemory,
@@ -252,7 +264,7 @@ impl Implicit {
     fn advance_euler(
         &mut self,
         state: &mut State,
-        input: StepInput<'_>,
+        input: &mut StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         let span = Extent {
             tau: input.dt,
@@ -265,7 +277,7 @@ impl Implicit {
     fn advance(
         &mut self,
         state: &mut State,
-        mut input: StepInput<'_>,
+        input: &mut StepInput<'_>,
         span: Extent,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) -> Result<StepReport, StepError> {
@@ -281,7 +293,7 @@ impl Implicit {
         let drag = 1.0 / (1.0 + self.config.damping.air_drag * span.tau);
         let is_middle = span.place == Place::Middle;
         let from_elsewhere = is_middle && !self.continues(state);
-        self.predict(state, &input, span, drag, base);
+        self.predict(state, input, span, drag, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
         let mut source = input.contacts.take();
         let contact = source.as_mut().map(|source| source.potential());
@@ -311,6 +323,11 @@ impl Implicit {
                     dt: span.tau * drag.sqrt(),
                 },
                 damper: self.damper.as_ref(),
+                air: input.air.as_deref().map(|air| AirDrag {
+                    drag: air.drag(),
+                    goals: &self.coasting,
+                    tau: span.tau,
+                }),
                 linearized: None,
                 contact: None,
             },
@@ -334,6 +351,7 @@ impl Implicit {
             report = self.minimizer.minimize(&task, observer, contact)?;
             report.unfinished = u32::from(report.outcome == Outcome::BudgetSpent);
         }
+        report.pin_work = self.pin_work(state, input.dt);
         let overflow = |vertex: &usize| {
             let [x, v] = self.end(*vertex, state, input.dt, span);
             !x.iter().chain(&v).all(|c| c.is_finite())
@@ -345,6 +363,18 @@ impl Implicit {
             let [x, v] = self.end(vertex, state, input.dt, span);
             // The stage is done with, and its place free for the end.
             (self.predicted[vertex], self.base[vertex]) = (x, v);
+        }
+        if let Some(air) = &mut input.air {
+            // With the velocity of the stage, which is not yet that of the end in the middle of the step.
+            let starts = (&mut self.coasting, &state.velocities);
+            for (vertex, (speed, before)) in starts.0.iter_mut().zip(starts.1).enumerate() {
+                *speed = match span.place {
+                    Place::End => self.base[vertex],
+                    Place::Middle => (self.base[vertex] + before) * 0.5,
+                };
+            }
+            let w = self.particles.inverse_mass();
+            air.end(&self.predicted, &self.coasting, w);
         }
         if let Some(contact) = source.map(|source| source.potential()) {
             let (x, v) = (&mut self.predicted, &mut self.base);
@@ -365,7 +395,7 @@ impl Implicit {
     fn predict(
         &mut self,
         state: &State,
-        input: &StepInput<'_>,
+        input: &mut StepInput<'_>,
         span: Extent,
         drag: Real,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
@@ -373,6 +403,9 @@ impl Implicit {
         let tau = span.tau;
         let follows = span.place == Place::End && self.before.1 == tau && self.continues(state);
         self.before.1 = tau;
+        if let Some(air) = &mut input.air {
+            air.linearize(&state.positions, &state.velocities);
+        }
         let start = &mut self.minimizer.current.positions;
         for (vertex, &w) in self.particles.inverse_mass().iter().enumerate() {
             let (x, v) = (state.positions[vertex], state.velocities[vertex]);
@@ -392,6 +425,11 @@ impl Implicit {
                 start[vertex] = from + speed * tau;
             }
         }
+        if input.air.is_some() {
+            let starts = self.base.iter().zip(&state.velocities);
+            self.coasting.clear();
+            self.coasting.extend(starts.map(|(x, v)| x + v * tau));
+        }
         if let Some(damper) = &mut self.damper {
             damper.set(&self.energies, start, &self.base, tau);
         }
@@ -406,6 +444,28 @@ impl Implicit {
                 StartGuess::Predicted => *start = self.predicted[vertex],
             }
         }
+    }
+
+    /// Work (J) of prescribed vertices, by the forces that the stage ends with; nothing where none moves.
+    fn pin_work(&mut self, state: &State, dt: Real) -> Option<Real> {
+        let moves =
+            |&v: &usize| self.particles.is_prescribed(v) && state.velocities[v] != Vec3::zeros();
+        let moving = (0..self.particles.len()).filter(moves);
+        moving.clone().next()?;
+        let (x, forces) = (
+            &self.minimizer.current.positions,
+            &mut self.minimizer.next.gradient,
+        );
+        forces.fill(Vec3::zeros());
+        self.energies.add_gradient(x, forces);
+        if let Some(damper) = &self.damper {
+            damper.add_gradient(x, forces);
+        }
+        Some(
+            moving
+                .map(|v| forces[v].dot(&state.velocities[v]) * dt)
+                .sum(),
+        )
     }
 
     /// Whether the state is the one that the last step left.

@@ -10,7 +10,7 @@
 //! origin is `w Σ z × p` over the rows z of S x⁺: zero only if p is the projection of x⁺, at convergence. What is left
 //! then is that of implicit Euler, `−Δt² Σ v[1] × f(x[1])` in a step, f the internal forces.
 
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::particles::Particles;
 
 /// Connected components of the cloth without a prescribed vertex and without an element that resists a translation. The
@@ -23,6 +23,8 @@ pub(crate) struct FreeComponents {
     vertex_mass: Vec<Real>,
     mass: Vec<Real>,
     shift: Vec<Vec3>,
+    /// Of each component, `Σ m + Δt D` (kg) with the drag of the air.
+    dragged: Vec<Mat3>,
 }
 
 const CONSTRAINED: u32 = u32::MAX;
@@ -69,6 +71,7 @@ impl FreeComponents {
         }
         Self {
             shift: vec![Vec3::zeros(); mass.len()],
+            dragged: vec![Mat3::zeros(); mass.len()],
             vertex_mass: particles.mass().to_vec(),
             component,
             mass,
@@ -93,6 +96,35 @@ impl FreeComponents {
         for (&component, q) in self.component.iter().zip(q) {
             if let Some(shift) = self.shift.get(component as usize) {
                 *q += shift / self.mass[component as usize];
+            }
+        }
+    }
+
+    /// Moves every free component as a whole to where its momentum takes it against a `drag` D (kg/s) from its
+    /// velocities before the step (m/s): `Σ m (q − u) + Δt D (q − Δt v₀) = 0`.
+    pub(crate) fn align_dragged(
+        &mut self,
+        goal: &[Vec3],
+        drag: &[(Mat3, Vec3)],
+        dt: Real,
+        q: &mut [Vec3],
+    ) {
+        self.shift.fill(Vec3::zeros());
+        self.dragged.fill(Mat3::zeros());
+        for (vertex, &component) in self.component.iter().enumerate() {
+            if let Some(shift) = self.shift.get_mut(component as usize) {
+                let (mass, (drag, before)) = (self.vertex_mass[vertex], drag[vertex]);
+                *shift += (goal[vertex] - q[vertex]) * mass;
+                *shift -= drag * (q[vertex] - before * dt) * dt;
+                self.dragged[component as usize] += Mat3::from_diagonal_element(mass) + drag * dt;
+            }
+        }
+        for (shift, dragged) in self.shift.iter_mut().zip(&self.dragged) {
+            *shift = dragged.try_inverse().unwrap_or_else(Mat3::zeros) * *shift;
+        }
+        for (&component, q) in self.component.iter().zip(q) {
+            if let Some(shift) = self.shift.get(component as usize) {
+                *q += shift;
             }
         }
     }

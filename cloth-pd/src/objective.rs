@@ -29,13 +29,13 @@ use crate::contact::Contact;
 use crate::local::Projections;
 use crate::quadratic::{Padded, Quadratic};
 use cloth_core::energy::Attachment;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::chunked::map_reduce;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput};
 use sprs::CsMat;
 
-/// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact where that is felt, in terms of the displacement
+/// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact and the drag of the air where they are felt, in terms of the displacement
 /// `q = x − x[0]`.
 ///
 /// With `u = x̃ − x[0] = Δt v + Δt² a` the inertia is `m q·(q − 2u)/(2Δt²)` and a constant, and its gradient
@@ -55,6 +55,8 @@ pub(crate) struct Objective {
     pub(crate) inertial: Vec<Vec3>,
     /// `Σ w Sᵀ(S x[0] − p)` (N) over the families of constant projection.
     constant_gradient: Vec<Vec3>,
+    /// D (kg/s) of the air at each vertex, and its velocity (m/s) before the step; empty without.
+    pub(crate) drag: Vec<(Mat3, Vec3)>,
     /// Δt (s).
     dt: Real,
     /// q (m) of the point that is evaluated, with a fourth number.
@@ -120,6 +122,7 @@ impl Objective {
             from: zeros.clone(),
             inertial: zeros.clone(),
             constant_gradient: zeros,
+            drag: Vec::new(),
             dt: 1.0,
             padded,
         }
@@ -138,10 +141,20 @@ impl Objective {
         FreeComponents::of(&entries, &self.particles)
     }
 
-    /// Takes up the step that begins at `state`.
-    pub(crate) fn begin(&mut self, state: &State, input: &StepInput<'_>) -> Result<(), StepError> {
+    /// Takes up the step that begins at `state`, with the drag of the air in `G` or without.
+    pub(crate) fn begin(
+        &mut self,
+        state: &State,
+        input: &StepInput<'_>,
+        is_air_implicit: bool,
+    ) -> Result<(), StepError> {
         self.dt = input.dt;
         self.from.copy_from_slice(&state.positions);
+        self.drag.clear();
+        if let Some(air) = input.air.as_ref().filter(|_| is_air_implicit) {
+            let both = air.drag().iter().zip(air.velocities());
+            self.drag.extend(both.map(|(drag, v)| (*drag, *v)));
+        }
         for (vertex, u) in self.inertial.iter_mut().enumerate() {
             let a = input.external_acceleration(vertex, self.particles.inverse_mass()[vertex]);
             *u = (state.velocities[vertex] + a * input.dt) * input.dt;
@@ -156,6 +169,11 @@ impl Objective {
             family.add_constant_gradient(&self.from, &mut self.constant_gradient);
         }
         Ok(())
+    }
+
+    /// Whether the drag of the air is in `G`.
+    pub(crate) fn is_dragged(&self) -> bool {
+        !self.drag.is_empty()
     }
 
     /// Δt (s) of the step.
@@ -193,6 +211,14 @@ impl Objective {
             let offset = positions[vertex] - attachment.target;
             gradient[vertex] += offset * attachment.stiffness;
             elastic += 0.5 * attachment.stiffness * offset.norm_squared();
+        }
+        for (vertex, (drag, before)) in self.drag.iter().enumerate() {
+            if !self.particles.is_prescribed(vertex) {
+                let change = point.displacement[vertex] / self.dt - before;
+                let force = drag * change;
+                gradient[vertex] += force;
+                elastic += 0.5 * self.dt * force.dot(&change);
+            }
         }
         if let Some(contact) = contact {
             elastic += contact.add_gradient(positions, gradient);

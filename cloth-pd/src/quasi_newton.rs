@@ -484,7 +484,9 @@ mod tests {
         global.prepare(1.0).unwrap();
         let mut objective = Objective::new(model.particles, families);
         let state = State::at_rest(mesh.positions().to_vec());
-        objective.begin(&state, &StepInput::new(1.0)).unwrap();
+        objective
+            .begin(&state, &StepInput::new(1.0), false)
+            .unwrap();
         let mut point = Point::new(25);
         for (vertex, q) in point.displacement.iter_mut().enumerate() {
             q.z = 0.1 * (vertex as Real).sin();

@@ -90,7 +90,11 @@ impl Stepper for PdSolver {
         let prepared = self.global.prepare(input.dt);
         let factorizations =
             prepared.map_err(|_| StepError::NotPositiveDefinite { iteration: 1, step })?;
-        self.objective.begin(state, &input)?; // x̃
+        let is_air_implicit = self.takes_air_implicitly(&input);
+        if let Some(air) = input.air.as_mut().filter(|_| is_air_implicit) {
+            air.linearize(&state.positions, &state.velocities);
+        }
+        self.objective.begin(state, &input, is_air_implicit)?; // x̃
         let mut report = StepReport {
             factorizations,
             coarse_builds,
@@ -104,6 +108,10 @@ impl Stepper for PdSolver {
         solved.map_err(|reason| StepError::Contact { reason, step })?;
         report.pin_work = self.pin_work(&contact);
         self.find_velocities(state, input.dt)?;
+        if let Some(air) = input.air.as_mut().filter(|_| is_air_implicit) {
+            let w = self.objective.particles.inverse_mass();
+            air.end(&self.point.positions, &self.velocities, w);
+        }
         if let Some(contact) = contact {
             contact.end(&self.point.positions, &self.velocities);
         }
@@ -139,6 +147,13 @@ impl PdSolver {
         &self.config
     }
 
+    /// Whether the drag of the air is part of the minimisation: only where a line search stands in for the constant
+    /// matrix, which knows nothing of it.
+    fn takes_air_implicitly(&self, input: &StepInput<'_>) -> bool {
+        input.air.is_some()
+            && (input.contacts.is_some() || matches!(self.method, Method::QuasiNewton(_)))
+    }
+
     /// Updates what depends on pins, elements and attachments changed since the last step. Returns how many coarse
     /// grids were built for that: one if a pin or an element changed, since P has no rows for prescribed vertices.
     fn refresh(&mut self) -> u32 {
@@ -171,14 +186,16 @@ impl PdSolver {
         1
     }
 
-    /// `‖∇G(x̃)‖` (N/√kg), with a tolerance only.
+    /// `‖∇G(x̃)‖` (N/√kg) without the drag of the air, with a tolerance only.
     fn reference(&mut self) -> Real {
         if self.config.tolerance.is_none() || self.global.is_empty() {
             return 0.0;
         }
         let q = &mut self.point.displacement;
         q.copy_from_slice(&self.objective.inertial);
+        let drag = std::mem::take(&mut self.objective.drag);
         self.objective.evaluate(&mut self.point, &None);
+        self.objective.drag = drag;
         self.objective.norm(&self.point.gradient)
     }
 
@@ -387,7 +404,7 @@ impl PdSolver {
         if let Some(contact) = contact {
             // A motion of no length: it sets the candidates for the evaluation there.
             contact.limit(&self.feasible, &self.feasible)?;
-        } else {
+        } else if !self.objective.is_dragged() {
             self.free_components.align(Some(inertial), q);
         }
         self.objective.evaluate(&mut self.fallback, contact);

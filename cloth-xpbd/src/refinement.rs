@@ -120,7 +120,7 @@ pub(crate) fn kinetic(inverse_mass: &[Real], velocities: &[Vec3]) -> Real {
     free.map(|(w, v)| 0.5 * v.norm_squared() / w).sum()
 }
 
-/// Work (J) of gravity and loads along the displacement from `state` to `x` (m), and what rounding may add.
+/// Work (J) of gravity, loads and air along the displacement from `state` to `x` (m), and what rounding may add.
 pub(crate) fn external_work(
     inverse_mass: &[Real],
     state: &State,
@@ -129,10 +129,12 @@ pub(crate) fn external_work(
 ) -> Real {
     let (mut work, mut mass, mut size) = (0.0, 0.0, 0.0 as Real);
     for (vertex, &w) in inverse_mass.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-        let a = input.external_acceleration(vertex, w);
+        let a = input.steady_acceleration(vertex, w);
         work += a.dot(&(x[vertex] - state.positions[vertex])) / w;
         mass += 1.0 / w;
         size = size.max(x[vertex].amax());
     }
+    let air = input.air.as_ref();
+    work += air.map_or(0.0, |air| air.work(x, inverse_mass));
     work + rounding_energy(mass, size, input.dt)
 }

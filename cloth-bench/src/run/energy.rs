@@ -1,15 +1,15 @@
 //! The energy of a run beside all that was put into it.
 //!
-//! The cloth is its free vertices and all its elements. It holds
+//! The cloth is its free vertices and all its elements. It and the rigid bodies that it pushes hold
 //!
 //! ```text
 //! K + E + B                      kinetic and elastic energy, and that of a contact with a potential
 //! ```
 //!
-//! and was given
+//! and were given
 //!
 //! ```text
-//! K₀ + E₀ + (U₀ − U) + W         what it held at the start, what gravity has released (U = −Σ m g·x), and work
+//! K₀ + E₀ + (U₀ − U) + W         what they held at the start, what gravity has released (U = −Σ m g·x), and work
 //! ```
 //!
 //! where W is the work of all that moves by itself, summed over the steps:
@@ -17,11 +17,14 @@
 //! | of | W |
 //! |---|---|
 //! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method has added up over its substeps: explicit ones with ∂E/∂x, XPBD with its multipliers, PBD with the sum of what its visits have moved each row by, projective dynamics with its constant matrix and the projections of its last iterate: the forces that they have used |
-//! | the air, gas inside, and forces of the scene | F·Δx, with the load F of the step; with BDF2 F·v Δt, v at its end, where F acts |
+//! | the air | F·Δx in every (sub)step, with the force F in it ([`cloth_core::air`]) |
+//! | gas inside, and forces of the scene | F·Δx, with the load F of the step |
+//! | all of these with BDF2 | F·v Δt, v at its end, where F acts, if that is more |
 //! | vertices that are held from some time on, or released | the kinetic energy and that of gravity which they take along or bring |
 //! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
 //! | seams that close, points of soft pins that move | the same, after steps in which one does |
-//! | obstacles, and prescribed vertices by contact | [`ContactSource::work`](cloth_core::contact::ContactSource::work) |
+//! | obstacles, and prescribed vertices by contact | [`ContactSource::work`](cloth_core::contact::ContactSource::work), without what the bodies that the cloth pushes do on it: that stays between the two |
+//! | obstacles and prescribed vertices that stop those bodies | their impulse times the velocity of the body |
 //!
 //! Nothing holds more than it was given. What a method holds beyond it is the *excess*, energy from nowhere, whatever
 //! has made it: the method, or contact that moves the cloth without regard to what holds it together. Losses can hide
@@ -45,6 +48,8 @@
 
 use crate::error::BenchError;
 use crate::scene::Scene;
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::air::Air;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::method::family::Energies;
@@ -78,10 +83,51 @@ impl fmt::Display for EnergyGain {
     }
 }
 
-/// Excess over what was given, from which on it is worth a warning.
+/// Excess over what was given, from which on it is worth a warning. At least that fraction of what lifts the cloth by
+/// an edge ([`Summary::energy_scale`](super::Summary::energy_scale)) is needed too: a sheet that hangs taut was given
+/// next to nothing.
 pub(super) const WORTH_A_WARNING: Real = 0.01;
 /// Error of a sum relative to what is added.
 const ROUNDING: Real = 1e-10;
+
+/// What moves with the bodies that the cloth pushes (J): their kinetic energy, and that of gravity.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BodyEnergy {
+    kinetic: Real,
+    gravitational: Real,
+}
+
+impl BodyEnergy {
+    /// As they move after the last step.
+    pub(super) fn of(scene: &Scene, contacts: Option<&PotentialContacts>) -> Self {
+        let mut sum = Self::default();
+        let bodies = scene.touch.iter().flat_map(|touch| touch.free_bodies());
+        let motions = contacts.iter().flat_map(|contacts| contacts.free_motions());
+        for ((_, body), (_, motion)) in bodies.zip(motions) {
+            let turning = motion.pose.orientation.inverse() * motion.angular_velocity;
+            let linear = body.mass() * motion.velocity.norm_squared();
+            sum.kinetic += 0.5 * (linear + turning.dot(&(body.inertia() * turning)));
+            sum.gravitational -= body.mass() * scene.gravity.dot(&motion.pose.position);
+        }
+        sum
+    }
+}
+
+/// Mass of the cloth times gravity times the mean edge of its triangles (J).
+pub(super) fn scale(scene: &Scene) -> Real {
+    let mass: Real = scene.model.particles.mass().iter().sum();
+    let Some(mesh) = &scene.mesh else {
+        return 0.0;
+    };
+    let (mut sum, mut count): (Real, Real) = (0.0, 0.0);
+    for &[a, b, c] in mesh.triangles() {
+        for [a, b] in [[a, b], [b, c], [c, a]] {
+            sum += (mesh.positions()[a as usize] - mesh.positions()[b as usize]).norm();
+            count += 1.0;
+        }
+    }
+    mass * scene.gravity.norm() * sum / count.max(1.0)
+}
 
 /// The account of one run.
 #[derive(Debug)]
@@ -93,6 +139,7 @@ pub(super) struct EnergyBalance {
     /// `K₀ + E₀ + U₀` (J).
     start: Real,
     entries: Entries,
+    bodies: BodyEnergy,
     /// Positions (m) where the step begins.
     before: Vec<Vec3>,
     /// `∂E/∂x` (N) there and at its end, where prescribed vertices move.
@@ -115,8 +162,13 @@ pub(super) struct Entries {
 }
 
 impl EnergyBalance {
-    /// Of a cloth in this state, whose contact stores so much (J).
-    pub(super) fn new(scene: &Scene, state: &State, stored: Real) -> Result<Self, BenchError> {
+    /// Of a cloth in this state, whose contact stores so much (J), and bodies.
+    pub(super) fn new(
+        scene: &Scene,
+        state: &State,
+        stored: Real,
+        bodies: BodyEnergy,
+    ) -> Result<Self, BenchError> {
         let mut energies = scene.elastic()?;
         energies.set_time(state.time);
         let zeros = vec![Vec3::zeros(); state.positions.len()];
@@ -127,6 +179,7 @@ impl EnergyBalance {
             steps: 0,
             start: 0.0,
             entries: Entries::default(),
+            bodies,
             before: zeros.clone(),
             gradients: [zeros.clone(), zeros],
         };
@@ -170,12 +223,12 @@ impl EnergyBalance {
         }
     }
 
-    /// Enters the work of a step that ended in `state`, with the load of the air (N), the work of pins and of the load
-    /// (J) if the method knows it, and that of bodies (J).
+    /// Enters the work of a step that ended in `state`, with a load (N) and the air, the work of pins and of both (J) if
+    /// the method knows it, and that of bodies (J).
     pub(super) fn add_work(
         &mut self,
         state: &State,
-        load: Option<&[Vec3]>,
+        (load, air): (Option<&[Vec3]>, Option<&Air>),
         report: &StepReport,
         bodies: Real,
     ) {
@@ -189,10 +242,18 @@ impl EnergyBalance {
             let force = |v: usize| 0.5 * (begin[v] + end[v]);
             self.entries.work += self.work_of(state, true, force);
         }
-        if let Some(load) = load {
-            let work = || self.work_of(state, false, |v| load[v]);
-            self.entries.work += report.load_work.unwrap_or_else(work);
-        }
+        self.entries.work += report.load_work.unwrap_or_else(|| {
+            let w = self.particles.inverse_mass();
+            load.map_or(0.0, |load| self.work_of(state, false, |v| load[v]))
+                + air.map_or(0.0, |air| air.work(&state.positions, w))
+        });
+    }
+
+    /// Enters what bodies hold after a step. Their work on the cloth stays between the two.
+    pub(super) fn add_bodies(&mut self, scene: &Scene, contacts: &PotentialContacts) {
+        let [on_cloth, on_bodies] = contacts.free_work();
+        self.entries.work += on_bodies - on_cloth;
+        self.bodies = BodyEnergy::of(scene, Some(contacts));
     }
 
     /// Takes what the cloth holds in `state` beyond what it was given, contact with its `stored` energy (J), for given:
@@ -205,7 +266,8 @@ impl EnergyBalance {
 
     /// Balances the account after a step of `dt` (s); contact has stored `stored` (J).
     pub(super) fn end_step(&mut self, state: &State, dt: Real, stored: Real) {
-        let (kinetic, fallen) = (self.kinetic(state), self.gravitational(state));
+        let fallen = self.gravitational(state);
+        let kinetic = self.kinetic(state) + self.bodies.kinetic;
         let (held, given) = (self.held(state) + stored, self.given_until(state));
         self.entries.now = [held, given];
         self.entries.most_given = self.entries.most_given.max(given);
@@ -280,9 +342,9 @@ impl EnergyBalance {
         self.start - self.gravitational(state) + self.entries.work
     }
 
-    /// Kinetic and elastic energy (J).
+    /// Kinetic and elastic energy (J), of bodies too.
     fn held(&self, state: &State) -> Real {
-        self.kinetic(state) + self.energies.value(&state.positions)
+        self.kinetic(state) + self.bodies.kinetic + self.energies.value(&state.positions)
     }
 
     /// `½ Σ m ‖v‖²` of the free vertices (J).
@@ -290,9 +352,9 @@ impl EnergyBalance {
         self.sum_of_free(|v| 0.5 * state.velocities[v].norm_squared())
     }
 
-    /// `−Σ m g·x` of the free vertices (J).
+    /// `−Σ m g·x` of the free vertices and the bodies (J).
     fn gravitational(&self, state: &State) -> Real {
-        self.sum_of_free(|v| -self.gravity.dot(&state.positions[v]))
+        self.bodies.gravitational + self.sum_of_free(|v| -self.gravity.dot(&state.positions[v]))
     }
 
     /// The sum of `term` (J/kg) times the mass, over the free vertices.

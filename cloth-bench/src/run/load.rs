@@ -1,10 +1,8 @@
-//! Forces on the vertices of a cloth from outside: air, gas, and those of the scene.
+//! Forces on the vertices of a cloth from outside: gas, and those of the scene.
 
 use crate::scene::{Change, ChangeKind, Scene};
-use cloth_core::air::Air;
 use cloth_core::enclosure::Pressure;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
 
 /// A force of the scene that acts now.
 pub(super) struct Push {
@@ -33,25 +31,19 @@ pub(super) fn push_of(change: &Change, scene: &Scene) -> Option<Push> {
     })
 }
 
-/// The forces (N) of air and gas, and those of the scene, in a step of `dt` (s) from `state`, if there are any. `all`
-/// is room for their sum.
+/// The forces (N) of gas and of the scene on a cloth at `x` (m), if there are any. `all` is room for their sum.
 pub(super) fn load<'a>(
-    air: &'a mut Option<Air>,
-    (gases, pushes, all): (&[Pressure], &[Push], &'a mut Vec<Vec3>),
-    state: &State,
-    dt: Real,
+    (gases, pushes): (&[Pressure], &[Push]),
+    all: &'a mut Vec<Vec3>,
+    x: &[Vec3],
 ) -> Option<&'a [Vec3]> {
-    let of_air = air.as_mut().map(|air| air.load(state, dt));
     if gases.is_empty() && pushes.is_empty() {
-        return of_air;
+        return None;
     }
     all.clear();
-    match of_air {
-        Some(load) => all.extend_from_slice(load),
-        None => all.resize(state.positions.len(), Vec3::zeros()),
-    }
+    all.resize(x.len(), Vec3::zeros());
     for gas in gases {
-        gas.add_load(&state.positions, all);
+        gas.add_load(x, all);
     }
     for (vertex, force) in pushes.iter().flat_map(|push| &push.forces) {
         all[*vertex] += force;

@@ -367,3 +367,77 @@ fn a_nearly_closed_pair_neither_ends_nor_holds_an_implicit_step() {
     assert_eq!(object["unfinished_steps"], 0, "{object}");
     assert_eq!(object["energy_excess"], 0.0, "{object}");
 }
+
+/// A tube that is lifted by its rim begins with a jerk. Its pins work with the force at the end of the step: half of
+/// that, for a start without any, left 38 % that nothing had given.
+#[test]
+fn pins_that_set_out_at_once_give_what_the_cloth_holds() {
+    let scene = written(
+        "lifted",
+        "[[mesh]]\ngenerator = \"tube:32x24\"\nscale = [0.26, 0.26, 0.3]\n[cloth]\ndensity = 0.3\nstiffness = 1000\n\
+         [[pins]]\nbox = [[-1, -1, 0.299], [1, 1, 0.301]]\nmove = [0, 0, 0.4]\nduration = 1.5\n",
+    );
+    for method in ["implicit-euler", "bdf2", "linear-implicit"] {
+        let (code, object, said) =
+            run(&format!("{} --method {method} --steps 20", scene.display()));
+        assert_eq!((code, said.as_str()), (0, ""), "{method}");
+        let [excess, given] =
+            ["energy_excess", "energy_given"].map(|key| object[key].as_f64().unwrap());
+        assert!(excess < 1e-3 * given, "{method}: {excess} of {given} J");
+    }
+}
+
+/// A stiff strip hangs by its edge, where it starts: some nanojoules of 20 nJ that gravity gives are no energy from nowhere
+/// that is worth a word.
+#[test]
+fn what_hangs_at_rest_is_not_warned_of() {
+    let scene = written(
+        "hung",
+        "[[mesh]]\ngenerator = \"grid:11x11:alternating\"\nscale = [0.1, 0.1, 1]\nrotate = [1.5707963267948966, 0, 0]\n\
+         [cloth]\nstiffness = 1e4\n[[pins]]\nselect = \"highest\"\n",
+    );
+    let (code, object, said) = run(&format!("{} --method xpbd --steps 30", scene.display()));
+    assert_eq!((code, said.as_str()), (0, ""), "{object}");
+    let [excess, given] =
+        ["energy_excess", "energy_given"].map(|key| object[key].as_f64().unwrap());
+    assert!(excess > 0.01 * given, "{excess} of {given} J");
+}
+
+/// A ball falls on a trampoline. The account has it: it brings half of its mass times the square of its speed, and gravity
+/// gives m g times the way that it falls.
+#[test]
+fn a_ball_that_the_cloth_throws_back_is_in_the_account() {
+    let text = "[[mesh]]\ngenerator = \"disk:10\"\nscale = 2\n[cloth]\ndensity = 0.5\nstiffness = 15000\n\
+        [[pins]]\nselect = \"border\"\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nmass = 2\n\
+        position = [0.02, 0.01, 0.3]\nvelocity = [0, 0, -1]\n";
+    let scene = crate::scene_text::scene("ball-in-account", text);
+    for (method, settings) in [
+        ("implicit-euler", &[][..]),
+        ("bdf2", &[]),
+        ("symplectic-euler", &[]),
+        ("pd", &["velocity_tolerance=1e-3"]),
+    ] {
+        let (mut most, mut largest): (f64, f64) = (0.0, 0.0);
+        let mut rise: f64 = 0.0;
+        crate::rigid_bodies::watch(&scene, method, settings, 60, |moment| {
+            let ball = crate::rigid_bodies::body(moment);
+            let kinetic = ball.velocity.norm_squared();
+            let fallen = 2.0 * 9.81 * (0.3 - ball.pose.position.z);
+            assert!(moment.held > kinetic, "{method}: {} {kinetic}", moment.held);
+            if moment.step < 6 {
+                // Nothing is touched yet; the cloth falls too, at most freely.
+                let own = moment.given - 1.0 - fallen;
+                let time = moment.state.time + scene.dt;
+                let mass: f64 = scene.model.particles.mass().iter().sum();
+                let most = mass * 0.5 * (9.81 * time).powi(2);
+                assert!((-1e-9..most).contains(&own), "{method}: {own} J");
+            }
+            most = most.max(moment.given);
+            largest = largest.max(moment.held - moment.given);
+            rise = rise.max(ball.velocity.z);
+        });
+        println!("{method}: {largest} of {most} J, {rise} m/s");
+        assert!(rise > 0.5, "{method}: {rise} m/s up");
+        assert!(largest < 0.01 * most, "{method}: {largest} of {most} J");
+    }
+}

@@ -64,3 +64,4 @@ mod untangle;
 mod user_forces;
 mod volume;
 mod weld;
+mod wind;

@@ -45,6 +45,8 @@ pub(super) struct FreeBodies {
     pub(super) dt: Real,
     /// Whether a start is led to where bodies go, so that impulses are none of theirs.
     pub(super) is_led: bool,
+    /// Work (J) in this step that they have done on the cloth, and that what stops them has done on them.
+    pub(super) work: [Real; 2],
 }
 
 impl FreeBody {
@@ -77,6 +79,13 @@ impl FreeBody {
         }
     }
 
+    /// Work (J) of the impulses of contact with the cloth, and of `stop` (N·s, N·m·s), at these velocities (m/s, rad/s).
+    fn works(&self, by_cloth: [Vec3; 2], stop: [Vec3; 2], velocities: [Vec3; 2]) -> [Real; 2] {
+        let work =
+            |impulse: [Vec3; 2]| (0..2).map(|k| impulse[k].dot(&velocities[k])).sum::<Real>();
+        [-work(by_cloth), work(stop)]
+    }
+
     fn add(&mut self, impulse: Vec3, arm: Vec3) {
         self.impulse[0] += impulse;
         self.impulse[1] += arm.cross(&impulse);
@@ -89,6 +98,7 @@ impl FreeBodies {
         self.before.clear();
         self.before
             .extend(self.list.iter().map(|free| free.momenta));
+        self.work = [0.0; 2];
     }
 
     pub(super) fn undo(&mut self) {
@@ -139,6 +149,9 @@ impl Contacts {
                     }
                 }
             }
+            let velocities = [motion.velocity, motion.angular_velocity];
+            let works = free.works(free.impulse, free.stop, velocities);
+            (0..2).for_each(|k| self.free.work[k] += works[k]);
         }
     }
 
@@ -161,6 +174,11 @@ impl Contacts {
             let on = ledger.forces.bodies[free.number];
             free.impulse = [on.force * dt, on.torque * dt];
             let by_cloth = [0, 1].map(|k| free.impulse[k] - free.stop[k]);
+            let [before, after] = [&self.before[free.number], &self.bodies[free.number].0];
+            let moved = after.motion().pose.position - before.motion().pose.position;
+            let velocities = [moved / dt, after.motion().angular_velocity];
+            let works = free.works(by_cloth, free.stop, velocities);
+            (0..2).for_each(|k| self.free.work[k] += works[k]);
             let [linear, angular] = free.body.velocity_by(&free.place, by_cloth);
             let turning = angular.norm() * free.radius;
             free.pushed = (linear.norm() + if turning.is_finite() { turning } else { 0.0 }) * dt;

@@ -106,6 +106,7 @@ impl Contacts {
     ) -> Result<(), ContactError> {
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
+        let of_free = self.free.work;
         let ledger = self.ledger.take();
         self.swap_before();
         let kept = self
@@ -120,6 +121,7 @@ impl Contacts {
         self.undo();
         self.swap_before();
         (self.work, self.energy, self.held) = (work, energy, held + moved);
+        self.free.work = of_free;
         Ok(())
     }
 }

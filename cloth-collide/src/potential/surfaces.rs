@@ -281,6 +281,14 @@ impl PotentialContacts {
         })
     }
 
+    /// Work (J) in the last step that bodies which the cloth pushes did on it, a part of
+    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and held vertices which
+    /// stop those did on them.
+    #[must_use]
+    pub fn free_work(&self) -> [Real; 2] {
+        self.contacts.free.work
+    }
+
     /// By how far (m) the cloth has pushed a body off the path on which it has moved in the last step, of a method that
     /// minimises: the body moves before the cloth, and takes up its push after it. Where that is more than the
     /// thickness, the cloth has felt a body that is not where it would be, and the step is better taken back

@@ -1,7 +1,7 @@
 //! The air's load against the formulas of a plate, and the fall that it ends.
 
-use cloth_core::air::{Air, AirConfig};
-use cloth_core::math::{Real, Vec3};
+use cloth_core::air::{Air, AirConfig, implicit};
+use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, disk, grid, irregular};
 use cloth_core::particles::State;
@@ -186,4 +186,82 @@ fn what_makes_no_sense_is_refused_by_name() {
         told(base, 0.0),
         "the areal density is 0, but it has to be a positive finite number"
     );
+}
+
+/// D and the forces, summed over the vertices, with every velocity that.
+fn linearized(lift: Real, mesh: &TriMesh, wind: Vec3, velocity: Vec3) -> (Mat3, Vec3) {
+    let config = AirConfig {
+        lift,
+        ..config(wind)
+    };
+    let mut air = Air::new(config, AREAL, mesh).unwrap();
+    air.linearize(mesh.positions(), &vec![velocity; mesh.vertex_count()]);
+    (air.drag().iter().sum(), air.forces().iter().sum())
+}
+
+#[test]
+fn drag_is_the_derivative_of_the_force_where_the_air_comes_straight() {
+    let mesh = irregular(7, 1.0, 1.0, 3).unwrap();
+    let (wind, step) = (Vec3::z() * 7.0, 1e-5);
+    let (drag, _) = linearized(0.0, &mesh, wind, Vec3::zeros());
+    for direction in [Vec3::x(), Vec3::y(), Vec3::z()] {
+        let [back, on] = [-step, step].map(|step| linearized(0.0, &mesh, wind, direction * step).1);
+        let expected = (back - on) / (2.0 * step);
+        assert!((drag * direction - expected).norm() < 1e-8, "{expected}");
+    }
+}
+
+/// Across and along the surface, what is left of the flow after a step of any length has the sign that it had.
+#[test]
+fn a_free_sheet_never_outruns_the_air() {
+    let mesh = grid(3, 3, 1.0, 1.0, Diagonals::OneWay).unwrap();
+    let mass = AREAL * mesh.area();
+    for degrees in [0.0, 10.0, 45.0, 80.0, 89.9] {
+        let angle = (degrees as Real).to_radians();
+        let wind = Vec3::new(angle.sin(), 0.0, angle.cos()) * 30.0;
+        for lift in [0.0, LIFT, DRAG] {
+            let (drag, force) = linearized(lift, &mesh, wind, Vec3::zeros());
+            for h in [1e-4, 1e-2, 1.0, 100.0] {
+                let speed = implicit(&drag, h / mass) * force * (h / mass);
+                for axis in [0, 2] {
+                    let part = speed[axis] / wind[axis].max(1e-9);
+                    assert!(
+                        (-1e-12..=1.0 + 1e-12).contains(&part),
+                        "{degrees}° {lift} {h}: {part}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Sweeps of a vertex that nothing else moves come to the velocity of the implicit step, `(M + h D)⁻¹ h F`.
+#[test]
+fn a_projection_is_the_implicit_step() {
+    let mesh = grid(3, 3, 1.0, 1.0, Diagonals::OneWay).unwrap();
+    let mut air = Air::new(config(Vec3::new(3.0, -1.0, 9.0)), AREAL, &mesh).unwrap();
+    let (h, mass) = (0.05, AREAL * mesh.area() / 9.0);
+    let start = vec![Vec3::new(0.3, 0.2, -1.0); 9];
+    air.linearize(mesh.positions(), &start);
+    let mut w = vec![1.0 / mass; 9];
+    w[4] = 0.0;
+    air.begin_projection(&w, h);
+    let free = |v: usize, force: Vec3| mesh.positions()[v] + (start[v] + force * (h * w[v])) * h;
+    let mut x: Vec<Vec3> = (0..9).map(|v| free(v, air.forces()[v])).collect();
+    let (forces, drag) = (air.forces().to_vec(), air.drag().to_vec());
+    for _ in 0..3 {
+        air.project(&mut x);
+    }
+    for v in 0..9 {
+        let change = implicit(&drag[v], h * w[v]) * forces[v] * (h * w[v]);
+        let expected = mesh.positions()[v] + (start[v] + change) * h;
+        assert!((x[v] - expected).norm() < 1e-14, "{v}");
+    }
+    let speeds: Vec<Vec3> = (0..9).map(|v| (x[v] - mesh.positions()[v]) / h).collect();
+    air.end(&x, &speeds, &w);
+    for v in (0..9).filter(|v| *v != 4) {
+        // The force of the whole step is what has changed the momentum.
+        let gained = (speeds[v] - start[v]) * mass / h;
+        assert!((air.forces()[v] - gained).norm() < 1e-11, "{v}");
+    }
 }

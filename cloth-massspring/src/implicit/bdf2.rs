@@ -118,18 +118,19 @@ impl Bdf2 {
         jump > JUMP * all
     }
 
-    /// Upper bound on the work (J) of a load (N) in a step that ended in `state`: by the velocity at the end, where the
+    /// Upper bound on the work (J) of load and air in a step that ended in `state`: by the velocity at the end, where the
     /// load acts, or by the displacement. Where a load changes with time, as that of the air does, the two differ, and
     /// the energy that it gives the cloth lies between them.
-    fn work_of(&self, load: &[Vec3], state: &State, dt: Real) -> Real {
+    fn work_of(&self, input: &StepInput<'_>, state: &State) -> Real {
         let particles = &self.implicit.particles;
         let [start, _] = &self.after;
         let (mut by_velocity, mut by_displacement) = (0.0, 0.0);
-        for (vertex, force) in load.iter().enumerate() {
-            if !particles.is_prescribed(vertex) {
-                by_velocity += force.dot(&state.velocities[vertex]) * dt;
-                by_displacement += force.dot(&(state.positions[vertex] - start[vertex]));
-            }
+        for vertex in (0..particles.len()).filter(|&v| !particles.is_prescribed(v)) {
+            let load = input.load.map_or(Vec3::zeros(), |load| load[vertex]);
+            let air = input.air.as_ref().map(|air| air.forces()[vertex]);
+            let force = load + air.unwrap_or_default();
+            by_velocity += force.dot(&state.velocities[vertex]) * input.dt;
+            by_displacement += force.dot(&(state.positions[vertex] - start[vertex]));
         }
         by_velocity.max(by_displacement)
     }
@@ -146,7 +147,11 @@ impl Stepper for Bdf2 {
         "bdf2"
     }
 
-    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
+    fn step(
+        &mut self,
+        state: &mut State,
+        mut input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
         input.check(state, self.implicit.particles.len())?;
         let dt = input.dt;
         let is_linear = input.contacts.is_none() && self.implicit.energies.are_quadratic();
@@ -159,17 +164,21 @@ impl Stepper for Bdf2 {
                 tau: 2.0 / 3.0 * dt,
                 place: Place::End,
             };
-            let load = input.load;
-            let mut report = self.implicit.advance(state, input, span, |vertex, x, v| {
-                [third(x, positions[vertex]), third(v, velocities[vertex])]
-            })?;
-            report.load_work = load.map(|load| self.work_of(load, state, dt));
+            let mut report = self
+                .implicit
+                .advance(state, &mut input, span, |vertex, x, v| {
+                    [third(x, positions[vertex]), third(v, velocities[vertex])]
+                })?;
+            // By the force at the end it would be of first order only.
+            report.pin_work = None;
+            let has_load = input.load.is_some() || input.air.is_some();
+            report.load_work = has_load.then(|| self.work_of(&input, state));
             has_jumped = fall.is_some_and(|fall| self.jumps(state, fall));
             report
         } else {
             self.dt = None;
             self.remember(state);
-            self.implicit.advance_euler(state, input)?
+            self.implicit.advance_euler(state, &mut input)?
         };
         self.has_jumped = has_jumped;
         std::mem::swap(&mut self.before, &mut self.after);

@@ -1,12 +1,12 @@
 //! Momentum of cloth that nothing holds: what is left of it by an iteration cut short at its tolerance is put right.
 //!
 //! Energies that do not change when a component of the cloth is shifted as a whole leave `G` quadratic in that shift:
-//! `½ m t²/s² + t·Σ ∇G`, with m the mass of the component. Its minimum is known, and with it linear momentum is kept to
+//! `½ tᵀ (m/s² + Σ D/τ) t + t·Σ ∇G`, with m the mass of the component and D the drag of the air. Its minimum is known, and with it linear momentum is kept to
 //! rounding at any tolerance. The iteration starts there too: cloth that falls freely is solved before the first one.
 
 use super::line_search::Point;
 use super::stage::Stage;
-use cloth_core::math::Vec3;
+use cloth_core::math::{Mat3, Vec3};
 use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::Energies;
 
@@ -77,18 +77,29 @@ fn shift_to_minimum(
 ) {
     let g = &stage.potential;
     let per_time = 1.0 / (g.dt * g.dt);
-    let (mut mass, mut moment) = (0.0, Vec3::zeros());
+    let (mut stiffness, mut force) = (Mat3::zeros(), Vec3::zeros());
+    let of = |vertex: usize| {
+        let own = g.particles.mass()[vertex] * per_time;
+        let inertia = Mat3::from_diagonal_element(own);
+        inertia + stage.air.map_or(Mat3::zeros(), |air| air.stiffness(vertex))
+    };
     for vertex in vertices.clone() {
         let vertex = vertex as usize;
-        let own = g.particles.mass()[vertex];
-        mass += own;
-        moment += (point.positions[vertex] - g.predicted[vertex]) * own;
+        let (own, x) = (g.particles.mass()[vertex], point.positions[vertex]);
+        stiffness += of(vertex);
+        force -= (x - g.predicted[vertex]) * (own * per_time);
+        force -= stage
+            .air
+            .map_or(Vec3::zeros(), |air| air.gradient(vertex, x));
     }
-    let shift = -moment / mass;
+    let shift = match stage.air {
+        Some(_) => stiffness.try_inverse().unwrap_or_else(Mat3::zeros) * force,
+        None => force / stiffness.m11,
+    };
     for vertex in vertices {
         let vertex = vertex as usize;
         point.positions[vertex] += shift;
-        point.gradient[vertex] += shift * (g.particles.mass()[vertex] * per_time);
+        point.gradient[vertex] += of(vertex) * shift;
     }
 }
 

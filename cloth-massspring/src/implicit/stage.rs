@@ -1,5 +1,6 @@
 //! One minimisation: what all implicit integrators have in common.
 
+use super::air_drag::AirDrag;
 use super::damper::Damper;
 use super::linearized::Linearized;
 use cloth_core::contact::ContactPotential;
@@ -9,8 +10,8 @@ use cloth_core::measure::IncrementalPotential;
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::Assembly;
 
-/// `‖x − x̂‖²_M / (2s²) + E(x) + damping + contact`: inertia towards `x̂`, elasticity, the resistance to the rate of
-/// strain, and what the cloth touches.
+/// `‖x − x̂‖²_M / (2s²) + E(x) + damping + drag + contact`: inertia towards `x̂`, elasticity, the resistance to the rate
+/// of strain, that of the air, and what the cloth touches.
 ///
 /// The first two are [`IncrementalPotential`] with a goal `x̂` and a time `s` that depend on the integrator.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +19,8 @@ pub(super) struct Stage<'a> {
     pub(super) potential: IncrementalPotential<'a>,
     /// `None` without stiffness-proportional damping.
     pub(super) damper: Option<&'a Damper>,
+    /// `None` without air.
+    pub(super) air: Option<AirDrag<'a>>,
     /// In place of all but contact, if that is linearised.
     pub(super) linearized: Option<&'a Linearized<'a>>,
     /// `None` where there is nothing to touch.
@@ -34,7 +37,8 @@ impl Stage<'_> {
         if let Some(contact) = self.contact {
             value += contact.add_gradient(x, out);
         }
-        if self.damper.is_some() || self.linearized.is_some() || self.contact.is_some() {
+        let is_whole = self.damper.is_none() && self.air.is_none() && self.linearized.is_none();
+        if !is_whole || self.contact.is_some() {
             let w = self.potential.particles.inverse_mass();
             for (out, _) in out.iter_mut().zip(w).filter(|(_, w)| **w == 0.0) {
                 *out = Vec3::zeros();
@@ -49,6 +53,9 @@ impl Stage<'_> {
         if let Some(damper) = self.damper {
             damper.add_gradient(x, out);
             value += damper.value(x);
+        }
+        if let Some(air) = &self.air {
+            value += air.add_gradient(x, out);
         }
         value
     }
@@ -100,9 +107,13 @@ impl Stage<'_> {
         }
     }
 
+    /// Inertia and drag, whose blocks are on the diagonal.
     fn inertia_into(&self, out: &mut BlockMatrix) {
         let g = &self.potential;
         out.set_diagonal(g.particles.mass(), 1.0 / (g.dt * g.dt));
+        if let Some(air) = &self.air {
+            air.add_hessian(out);
+        }
     }
 
     /// Norm (N/√kg) of the gradient that rounding makes at `x`: positions are stored to half a unit in the last place
@@ -130,6 +141,9 @@ impl Stage<'_> {
         }
         if let Some(damper) = self.damper {
             damper.add_product(p, out);
+        }
+        if let Some(air) = &self.air {
+            air.add_product(p, out);
         }
     }
 }

@@ -91,6 +91,9 @@ impl DirectXpbd {
         input: &mut StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         let (dt, step) = (input.dt, state.steps + 1);
+        if let Some(air) = &mut input.air {
+            air.restart();
+        }
         contact::begin_step(input, self.particles.inverse_mass(), state)?;
         let mut current = std::mem::take(&mut self.current);
         current.positions.copy_from_slice(&state.positions);
@@ -121,13 +124,18 @@ impl DirectXpbd {
         ended
     }
 
-    /// One substep: the system, then contact, then the velocities.
+    /// One substep: the system, then the drag of the air and contact, then the velocities.
     fn substep(
         &mut self,
         current: &mut State,
         input: &mut StepInput<'_>,
         sum: &mut StepReport,
     ) -> Result<(), StepError> {
+        let w = self.particles.inverse_mass();
+        if let Some(air) = &mut input.air {
+            air.linearize(&current.positions, &current.velocities);
+            air.begin_projection(w, input.dt);
+        }
         let report = self.iterate(current, input, sum.iterations)?;
         let work = sum.pin_work.unwrap_or(0.0) + self.pin_work(current);
         let converged = sum.outcome == Outcome::Converged;
@@ -146,12 +154,18 @@ impl DirectXpbd {
             ..report
         };
         let w = self.particles.inverse_mass();
+        if let Some(air) = &mut input.air {
+            air.project(&mut self.positions);
+        }
         contact::project(input, w, current, &mut self.positions)?;
         // v ← v + h a + (x − x̃)/h
         for (v, velocity) in current.velocities.iter_mut().enumerate() {
             let a = input.external_acceleration(v, w[v]);
             let change = (self.positions[v] - self.predicted[v]) / input.dt;
             *velocity = *velocity + a * input.dt + change;
+        }
+        if let Some(air) = &mut input.air {
+            air.end(&self.positions, &current.velocities, w);
         }
         if let Some(contacts) = input.contact_constraints() {
             contacts.change_velocities(&mut current.velocities);

@@ -102,6 +102,9 @@ impl Motion {
         self.pin_work = 0.0;
         self.iterations = 0;
         self.step = state.steps + 1;
+        if let Some(air) = &mut input.air {
+            air.restart();
+        }
         let step = ContactStep {
             from: &state.positions,
             inverse_mass: &self.inverse_mass,
@@ -123,6 +126,10 @@ impl Motion {
         if input.contact_constraints().is_some() {
             self.start.clone_from(&self.positions);
         }
+        if let Some(air) = &mut input.air {
+            air.linearize(&self.positions, &self.velocities);
+            air.begin_projection(&self.inverse_mass, h);
+        }
         for vertex in 0..self.vertex_count() {
             let a = input.external_acceleration(vertex, self.inverse_mass[vertex]);
             self.velocities[vertex] += a * h;
@@ -132,10 +139,13 @@ impl Motion {
         self.with_contacts(input, |contacts, step, x| contacts.begin_substep(step, x))
     }
 
-    /// One iteration: `sweep` gets the inverse masses (1/kg) and the positions (m), and contact comes after it;
-    /// then the observer is called.
+    /// One iteration: `sweep` gets the inverse masses (1/kg) and the positions (m), and the drag of the air and contact
+    /// come after it; then the observer is called.
     pub fn iterate(&mut self, input: &mut StepInput<'_>, sweep: impl FnOnce(&[Real], &mut [Vec3])) {
         sweep(&self.inverse_mass, &mut self.positions);
+        if let Some(air) = &mut input.air {
+            air.project(&mut self.positions);
+        }
         if let Some(contacts) = input.contact_constraints() {
             let (step, x) = self.split();
             contacts.sweep(&step, x);
@@ -205,6 +215,9 @@ impl Motion {
         let moved = self.positions.iter().zip(&self.predicted);
         for (v, (x, predicted)) in self.velocities.iter_mut().zip(moved) {
             *v += (x - predicted) / h;
+        }
+        if let Some(air) = &mut input.air {
+            air.end(&self.positions, &self.velocities, &self.inverse_mass);
         }
         if let Some(contacts) = input.contact_constraints() {
             contacts.change_velocities(&mut self.velocities);
