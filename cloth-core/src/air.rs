@@ -101,6 +101,18 @@ impl Air {
         })
     }
 
+    /// The largest pressure (Pa) of the wind on cloth at rest, across it.
+    #[must_use]
+    pub fn largest_pressure(&self) -> Real {
+        let AirConfig {
+            density,
+            drag,
+            lift,
+            wind,
+        } = &self.config;
+        0.5 * density * (drag + lift) * wind.norm_squared()
+    }
+
     /// Force of the air (N) on each vertex, for a step of `dt` (s) from `state`: what
     /// [`StepInput::load`](crate::step::StepInput::load) takes.
     ///

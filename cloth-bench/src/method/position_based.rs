@@ -133,7 +133,7 @@ fn substeps(
         },
         gravity: scene.gravity,
         fall: scene.fall(),
-        tension: scene.lasting_tension(),
+        tension: scene.lasting_tension()?,
         iterations,
     };
     let particles = &scene.model.particles;
@@ -145,6 +145,9 @@ fn substeps(
 /// of its mass to that of what carries it: with the square root of the ratio alone, the scene `ball-in-net` keeps 3 %
 /// of stretch, three times what its equilibrium has, and 2 % of energy from nowhere.
 fn loaded(scene: &Scene) -> Real {
+    if !scene.can_carry() {
+        return 1.0;
+    }
     let bodies = scene.touch.iter().flat_map(|touch| touch.free_bodies());
     let load: Real = bodies.map(|(_, body)| body.mass()).sum();
     let own: Real = scene.model.particles.mass().iter().sum();

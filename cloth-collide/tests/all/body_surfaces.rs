@@ -340,7 +340,10 @@ fn what_does_not_fit_is_named() {
     };
     let begun = contacts.constraints().begin_step(&step);
     assert!(
-        matches!(begun, Err(ContactError::IntersectingStart { .. })),
+        matches!(
+            begun,
+            Err(ContactError::IntersectingStart { body: Some(0), .. })
+        ),
         "{begun:?}"
     );
 }
