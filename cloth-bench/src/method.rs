@@ -151,8 +151,8 @@ impl Method {
     pub(crate) fn about_energy_gain(&self) -> &'static str {
         match self.kind {
             Kind::Pbd => {
-                " (that is pbd's own, with any settings: what its sweeps leave of a stretch has no force behind it; use \
-                 xpbd)"
+                " (that is pbd's own, with any settings: what its sweeps leave of a stretch has no force behind it; \
+                 use xpbd)"
             }
             _ => "",
         }
@@ -162,9 +162,17 @@ impl Method {
     /// chosen for the mesh instead.
     pub(crate) fn by_default(&self, settings: Settings) -> Settings {
         match self.kind {
-            Kind::Xpbd | Kind::Pbd => Settings::of("substeps=auto").then(&settings),
+            Kind::Xpbd => Settings::of("substeps=auto").then(&settings),
             Kind::Own(own) => Settings::of(own.by_default).then(&settings),
             _ => settings,
+        }
+    }
+
+    /// The same of the command `run`, which gives pbd as many substeps, too; studies show its published setting.
+    pub(crate) fn for_run(&self, settings: Settings) -> Settings {
+        match self.kind {
+            Kind::Pbd => Settings::of("substeps=auto").then(&settings),
+            _ => self.by_default(settings),
         }
     }
 

@@ -14,7 +14,8 @@ crate::settings! {
     pub(super) struct Pbd {
         iterations: u32 = 20 in AtLeast(1.0), "sweeps per substep";
         substeps: Or<Substeps, u32> = 1 in AtLeast(1.0),
-            "parts of a step, or auto: as many as xpbd takes for its strain, fewer by the root of the iterations";
+            "parts of a step, or auto (what run takes): as many as xpbd takes for its strain, fewer by the root of the \
+             iterations";
         projection: Or<Material, Real> = "material" in Within(0.0, 1.0),
             "stiffness of the projections: material (one constraint alone shows its k), or a number";
         hierarchy: Option<Or<Once, u32>> = "none" in AtLeast(1.0),

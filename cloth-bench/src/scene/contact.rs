@@ -17,8 +17,8 @@ crate::settings! {
     /// Of the surface of cloth.
     pub(crate) struct Surface {
         thickness: Or<Auto, Real> = "auto" "m" in Above(0.0),
-            "distance to keep, of cloth from cloth and from obstacles: where contact begins to push; auto: 2e-3, or half \
-             the mean edge of the mesh where that is less";
+            "distance to keep, of cloth from cloth and from obstacles: where contact begins to push; auto: 2e-3, or \
+             half the mean edge of the mesh where that is less";
         friction: Real = 0.3 in AtLeast(0.0), "coefficient of friction, of cloth with cloth and with obstacles";
     }
     /// Of contact.
@@ -59,8 +59,8 @@ fn mean_edge(mesh: &TriMesh) -> Real {
 }
 
 impl Surface {
-    /// The thickness (m) of a cloth `mesh`. Where it is more than half an edge, most of what is near a vertex is its own
-    /// neighbourhood.
+    /// The thickness (m) of a cloth `mesh`. Where it is more than half an edge, most of what is near a vertex is its
+    /// own neighbourhood.
     pub(super) fn thickness_of(&self, mesh: &TriMesh) -> Real {
         match *self.thickness {
             Or::Word(Auto::Auto) => USUAL_THICKNESS.min(0.5 * mean_edge(mesh)),

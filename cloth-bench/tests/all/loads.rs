@@ -110,7 +110,8 @@ fn every_load_beyond_its_weight_counts() {
     );
 }
 
-/// A box a hundred times as heavy as the cloth between it and the floor lies on the floor. One on a cloth that is held hangs in it.
+/// A box a hundred times as heavy as the cloth between it and the floor lies on the floor. One on a
+/// cloth that is held hangs in it.
 #[test]
 fn floor_carries_what_lies_on_it() {
     let on_floor = r#"

@@ -31,11 +31,11 @@ const NO_TIME: Real = 1e-12;
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
 /// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside
 /// of bodies, and the triangles around them pass through a body that they cross at the start of a step
-/// ([`PotentialContacts::held_inside`]). The start of a step must be free of crossings; it is if the last step ended there, and if anything else
-/// has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are
-/// [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude or that
-/// are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and are let
-/// go until they are apart; nor of cloth that crosses a body then, before that body.
+/// ([`PotentialContacts::held_inside`]). The start of a step must be free of crossings; it is if the last step ended
+/// there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing
+/// ones are [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude
+/// or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and
+/// are let go until they are apart; nor of cloth that crosses a body then, before that body.
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
