@@ -60,6 +60,8 @@ pub struct Summary {
     pub pinched_steps: u32,
     /// How many of its vertices were at most.
     pub most_pinched: u32,
+    /// A sentence about held vertices in bodies, which the triangles around them pass through.
+    pub held_inside: Option<String>,
     /// Iterations, summed over the steps.
     pub iterations: u64,
     /// Iterations of the median step.
@@ -322,7 +324,8 @@ impl<'a> Course<'a> {
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(contacts);
         }
-        let report = stepper.step(state, input)?;
+        let report = stepper.step(state, input);
+        let report = report.map_err(|error| self.scene.crossing_error(error))?;
         self.seconds += started.elapsed().as_secs_f64();
         if let Some(contacts) = &mut self.contacts {
             contacts.count(is_tangled);
@@ -505,6 +508,10 @@ fn take_steps(
     let height_energy = |x: &[Vec3]| measure::gravitational_energy(particles, x, scene.gravity);
     let gravity_energy = height_energy(&state.positions) - height_energy(&scene.start.positions);
     let separation = separation(&scene, state)?;
+    let held_inside = course
+        .contacts
+        .as_ref()
+        .and_then(|c| scene.held_inside(&c.held_inside));
     let mut summary = Summary {
         steps,
         ms_per_step_median: 1e3 * median(&mut seconds),
@@ -512,6 +519,7 @@ fn take_steps(
         held_steps: course.contacts.as_ref().map_or(0, |c| c.held_steps),
         pinched_steps: course.contacts.as_ref().map_or(0, |c| c.pinched_steps),
         most_pinched: course.contacts.as_ref().map_or(0, |c| c.most_pinched),
+        held_inside,
         iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
         iterations_per_step: median_count(&mut iterations),
         rebuilds: course.rebuilds,

@@ -6,6 +6,7 @@ mod cloth;
 mod contact;
 pub mod file;
 mod inside;
+mod load;
 mod loose;
 mod midpoints;
 pub mod pins;
@@ -68,6 +69,8 @@ pub struct Scene {
     pub volumes: Vec<ClosedVolume>,
     /// The air around it; without it no code for air runs.
     pub air: Option<Air>,
+    /// Masses (kg) beside its own, each on these vertices together.
+    pub added_masses: Vec<(Vec<usize>, Real)>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
     pub order: Option<cloth_core::method::ordering::Order>,
     /// What its file says of methods, by the names of these.
@@ -97,6 +100,7 @@ impl Scene {
             gases: Vec::new(),
             volumes: Vec::new(),
             air: None,
+            added_masses: Vec::new(),
             order: None,
             methods: Vec::new(),
         }
@@ -246,15 +250,6 @@ impl Scene {
             && self.volumes.is_empty()
             && self.start.velocities.iter().all(|v| *v == Vec3::zeros())
             && touch.all(ContactSetup::stands_still)
-    }
-
-    /// The largest tension (N/m) by what is inside of closed pieces, where the cloth starts.
-    #[must_use]
-    pub fn lasting_tension(&self) -> Real {
-        let x = &self.start.positions;
-        let gases = self.gases.iter().map(|gas| gas.tension(x));
-        let all = gases.chain(self.volumes.iter().map(|volume| volume.tension(x)));
-        all.fold(0.0, Real::max)
     }
 
     /// Whether springs or links are hard constraints, of infinite stiffness.

@@ -134,8 +134,10 @@
 //! those in the cloth; and by what a step reports ([`ConstraintReport`]).
 //!
 //! Pairs of bodies, and of a body with prescribed cloth, are left out: a body that nothing pushes may pass through
-//! itself and others, and prescribed cloth may be inside of one. Prescribed parts of the cloth that cross each other
-//! are an error.
+//! itself and others, and prescribed cloth may be inside of one. A triangle with a prescribed corner that crosses a
+//! body at the start of a step passes through it, as nothing could part the two: a flag in its pole. Once the corner is
+//! out, and nothing crosses there, contact is what it was ([`PotentialContacts::held_inside`]). Prescribed parts of the
+//! cloth that cross each other are an error.
 //!
 //! # Pinched cloth
 //!

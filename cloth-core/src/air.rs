@@ -139,6 +139,18 @@ impl Air {
         })
     }
 
+    /// The largest pressure (Pa) of the wind on cloth at rest, across it.
+    #[must_use]
+    pub fn largest_pressure(&self) -> Real {
+        let AirConfig {
+            density,
+            drag,
+            lift,
+            wind,
+        } = &self.config;
+        0.5 * density * (drag + lift) * wind.norm_squared()
+    }
+
     /// Begins a step of `dt` (s) from `state`: the force of the air there on each vertex (N), with a bounded impulse.
     ///
     /// # Panics

@@ -331,6 +331,10 @@ pub enum ContactError {
     IntersectingStart {
         /// Number of pairs of triangles that do.
         pairs: usize,
+        /// Corners of the first of them, a triangle of the cloth.
+        triangle: [u32; 3],
+        /// The body that it crosses: obstacles first, then animated surfaces; `None` for the cloth itself.
+        body: Option<usize>,
     },
     /// Prescribed vertices or obstacles leave no path that is free.
     Infeasible {
@@ -365,10 +369,18 @@ impl fmt::Display for ContactError {
                 f,
                 "contact was told an inverse mass of {inverse_mass} 1/kg for vertex {vertex}; it is 0 or a positive finite number"
             ),
-            Self::IntersectingStart { pairs } => write!(
-                f,
-                "{pairs} pairs of triangles pass through each other at the start of the step; untangle them first"
-            ),
+            Self::IntersectingStart {
+                pairs,
+                triangle: [a, b, c],
+                body,
+            } => {
+                let other = body.map_or("the cloth itself".into(), |n| format!("body {n}"));
+                write!(
+                    f,
+                    "{pairs} pairs of triangles pass through each other at the start of the step, the first of them \
+                     one with vertices {a}, {b} and {c} of the cloth and one of {other}; untangle them first"
+                )
+            }
             Self::Infeasible { vertex } => write!(
                 f,
                 "prescribed vertices or obstacles leave no free way to vertex {vertex}"

@@ -429,7 +429,8 @@ impl fmt::Display for StepError {
             ),
             Self::NotPositiveDefinite { iteration, step } => write!(
                 f,
-                "the matrix of step {step}, iteration {iteration}, is not positive definite"
+                "the matrix of step {step}, iteration {iteration}, is not positive definite to rounding: where k Δt²/m \
+                 is beyond some 10¹², an element is too stiff for the mass of its vertices and this step"
             ),
             Self::Contact { reason, step } => write!(f, "step {step}: {reason}"),
             Self::ContactNotFelt { remedy } => {

@@ -22,11 +22,15 @@
 //! stiffnesses from 10⁴ N/m on, were strained by 0.3 to 1.4 times that. On an irregular mesh l is the first
 //! percentile of edge lengths.
 //!
-//! A third load lasts: **the tension** T (N/m) of cloth that is blown up, `p R/2` of a sphere. An edge there pulls with
-//! `T l`, which the sweeps of a substep leave as a strain of `0.65 T h²/m`. (Measured, as root mean square of all
-//! edges: spheres of 0.2 to 1 m with gas inside, 362 and 1442 vertices, at rest: 0.56 to 0.87.) It does not pass, as a
-//! swing or an impact does. So it may be a fiftieth of the wanted strain at most, or a fiftieth of `T/k` where that is
-//! more; the springs themselves yield to T by about half of `T/k`.
+//! A third load lasts: **the tension** T (N/m) of cloth that is blown up, `p R/2` of a sphere, or `F/w` where a force F
+//! (N) pulls on a width of w (m). An edge there pulls with `T l`, which the sweeps of a substep leave as a strain of
+//! `0.65 T h²/m`. (Measured, as root mean square of all edges: spheres of 0.2 to 1 m with gas inside, 362 and 1442
+//! vertices, at rest: 0.56 to 0.87; square sheets pulled at an edge, 169 and 625 vertices: 0.5 to 0.6.) It does not
+//! pass, as a swing or an impact does, and cloth is longer by it for ever. The springs themselves yield to T by about
+//! half of `T/k`, so the sweeps may add a fiftieth of `T/k`: 4 % of what the material does. That is `h² = 0.03 m/k`,
+//! whatever T is, a quarter of the substep at which sweeps yield as much as springs do. Where it would be less than
+//! 1/5000 of the wanted strain, and where there are no springs or hard ones, other bounds hold: that, and a fiftieth of
+//! the wanted strain.
 //!
 //! For the first two loads no substep is shorter than the h at which `k h² (w₁ + w₂) = 1`. With shorter ones the
 //! springs themselves yield more than unconverged sweeps do, so a soft cloth is as long as its k makes it. Nor is a
@@ -40,8 +44,10 @@ use cloth_core::particles::Particles;
 const IMPACT_COEFFICIENT: Real = 2.0;
 const WEIGHT_COEFFICIENT: Real = 3.6;
 const TENSION_COEFFICIENT: Real = 0.65;
-/// Part of the wanted strain, or of the strain of the springs, that a lasting tension may add.
+/// Part of the strain of the springs, or of the wanted one without springs that yield, that a lasting tension may add.
 const LASTING: Real = 0.02;
+/// Part of the wanted strain that it may always add.
+const UNSEEN: Real = 2e-4;
 /// The longest substep (s).
 const LONGEST: Real = 1.0 / 1200.0;
 /// One edge in so many may be shorter than the l of the law.
@@ -102,7 +108,7 @@ pub struct SubstepRule {
     /// is free below it; no more than what is above a floor.
     pub fall: Real,
     /// The largest tension (N/m) that lasts, such as `p R/2` of a sphere of radius R (m) with a gauge pressure p (Pa)
-    /// inside; 0 for none.
+    /// inside, or `F/w` of a force (N) on a width (m); 0 for none.
     pub tension: Real,
     /// Sweeps in each substep. They divide the strain by their number; n times as many substeps divide the part of the
     /// weight by n², that of an impact by n.
@@ -158,15 +164,17 @@ impl SubstepRule {
         let wanted = 2.0 * strain / (b + (b * b + 4.0 * a * strain).sqrt());
         let stiffness = springs.iter().map(|spring| spring.stiffness);
         let stiffest = stiffness.fold(0.0, Real::max);
-        let (passing, own) = match stiffest > 0.0 {
-            true => (
-                wanted.max((mass / (2.0 * stiffest)).sqrt()),
-                self.tension / stiffest,
-            ),
-            false => (wanted, 0.0),
+        let passing = match stiffest > 0.0 {
+            true => wanted.max((mass / (2.0 * stiffest)).sqrt()),
+            false => wanted,
+        };
+        let added = match stiffest > 0.0 && stiffest.is_finite() {
+            // Sweeps divide what they leave, and not what the springs do.
+            true => (LASTING * self.tension / stiffest * Real::from(self.iterations))
+                .max(UNSEEN * strain),
+            false => LASTING * strain,
         };
         // 0.65 T h²/m, divided by the sweeps.
-        let lasting = LASTING * strain.max(own * Real::from(self.iterations)) * mass;
-        passing.min((lasting / (TENSION_COEFFICIENT * self.tension)).sqrt())
+        passing.min((added * mass / (TENSION_COEFFICIENT * self.tension)).sqrt())
     }
 }

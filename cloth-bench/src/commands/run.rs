@@ -1,20 +1,20 @@
 //! `cloth-bench run SCENE --method M`
 
 mod forces;
+mod picture;
 
 use super::{PATIENCE, print_pairs, while_saying, write_file};
 use crate::error::BenchError;
 use crate::export::{Export, Format};
 use crate::memory;
 use crate::method::Method;
-use crate::report::render::{Surface, View, render};
 use crate::run::{Moment, Plan, SeparationWatch, Solver, crossing_warnings, run_changing};
 use crate::scene::{self, ContactSetup, Scene, SceneInfo};
 use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use clap::Args;
 use cloth_collide::untangle::CrossingPairs;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::Real;
 use cloth_core::step::Stepper;
 use forces::ForcesTable;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -29,6 +29,8 @@ Of the numbers that come out:
   gravity_energy       at the end, relative to the start: −Σ m g·(x − x₀) (J)
   contact_energy       of the cloth with itself and with bodies at the end (J)
   potential_energy     elastic_energy + gravity_energy + contact_energy + what sealed volumes store (J)
+  energy_excess        the most by which the cloth held more energy than it was given: from nowhere (J)
+  energy_given         the most that its start, gravity, pins, bodies, air and gas gave it (J)
   contact_energy_at_start  of a cloth that starts nearer to itself or to a body than the thickness (J)
   center_of_mass_drop  against gravity (m)
   chebyshev_fallbacks  substeps of pbd and xpbd that gave up their extrapolation because it made the corrections grow
@@ -137,7 +139,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     } else {
         scene::build(&arguments.scene, arguments.mesh.as_deref(), &of_scene)?
     };
-    let settings = method.by_default(scene.settings_of(method.name).then(&overruling));
+    let settings = method.for_run(scene.settings_of(method.name).then(&overruling));
     let dt = arguments.dt.unwrap_or(scene.dt);
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(BenchError::Usage(format!(
@@ -216,7 +218,7 @@ fn simulate(
     if let Some(warning) = method.contact_warning(scene) {
         eprintln!("warning: {warning}");
     }
-    if let Some(warning) = scene.border_warning() {
+    for warning in scene.start_warnings() {
         eprintln!("warning: {warning}");
     }
     let mut state = scene.start.clone();
@@ -331,17 +333,16 @@ fn simulate(
         pairs.extend(compared(&scene, solver.stepper(), steps, dt)?);
     }
     if let (Some(file), Some(mesh)) = (&arguments.picture, &scene.mesh) {
-        let obstacles = scene.obstacle_surfaces(state.time);
-        let mut surfaces = vec![Surface::cloth(&state.positions, mesh.triangles())];
-        let seen = |(positions, triangles)| Surface::obstacle(positions, triangles);
-        surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
-        write_file(file, &render(&surfaces, &view(&scene))?)?;
+        write_file(file, &picture::of(&scene, mesh, &state)?)?;
     }
     let warnings = [
         summary.start_warning(),
-        summary.energy_warning(),
+        summary
+            .energy_warning()
+            .map(|warning| warning + method.about_energy_gain()),
         summary.budget_warning(),
         summary.pinch_warning(),
+        summary.held_inside.clone(),
     ];
     let crossings = crossing_warnings(start, &summary, seen.as_ref())?;
     for warning in warnings.into_iter().flatten().chain(crossings) {
@@ -408,26 +409,4 @@ fn compared(
         ("compared_iterations", json!(report.iterations)),
         ("reference_gradient", json!(problem.reference_gradient())),
     ])
-}
-
-/// A camera that looks at the scene from the front and a little above, gravity pointing down.
-fn view(scene: &Scene) -> View {
-    let up = -scene.gravity.try_normalize(0.0).unwrap_or(-Vec3::z());
-    let view = View::default();
-    // The default camera has z up; another up takes the camera along.
-    let turn = nalgebra_rotation(up);
-    View {
-        direction: turn * view.direction,
-        up,
-        ..view
-    }
-}
-
-fn nalgebra_rotation(up: Vec3) -> cloth_core::math::Mat3 {
-    let (right, back) = match up {
-        up if up.x.abs() > 0.5 => (Vec3::y(), Vec3::z()),
-        up if up.y.abs() > 0.5 => (Vec3::x(), Vec3::z()),
-        _ => (Vec3::x(), -Vec3::y()),
-    };
-    cloth_core::math::Mat3::from_columns(&[right, -back, up])
 }

@@ -14,7 +14,8 @@ crate::settings! {
     pub(super) struct Pbd {
         iterations: u32 = 20 in AtLeast(1.0), "sweeps per substep";
         substeps: Or<Substeps, u32> = 1 in AtLeast(1.0),
-            "parts of a step, or auto: as many as xpbd takes for its strain, fewer by the root of the iterations";
+            "parts of a step, or auto (what run takes): as many as xpbd takes for its strain, fewer by the root of the \
+             iterations";
         projection: Or<Material, Real> = "material" in Within(0.0, 1.0),
             "stiffness of the projections: material (one constraint alone shows its k), or a number";
         hierarchy: Option<Or<Once, u32>> = "none" in AtLeast(1.0),
@@ -133,7 +134,7 @@ fn substeps(
         },
         gravity: scene.gravity,
         fall: scene.fall(),
-        tension: scene.lasting_tension(),
+        tension: scene.lasting_tension()?,
         iterations,
     };
     let particles = &scene.model.particles;
@@ -145,6 +146,9 @@ fn substeps(
 /// of its mass to that of what carries it: with the square root of the ratio alone, the scene `ball-in-net` keeps 3 %
 /// of stretch, three times what its equilibrium has, and 2 % of energy from nowhere.
 fn loaded(scene: &Scene) -> Real {
+    if !scene.can_carry() {
+        return 1.0;
+    }
     let bodies = scene.touch.iter().flat_map(|touch| touch.free_bodies());
     let load: Real = bodies.map(|(_, body)| body.mass()).sum();
     let own: Real = scene.model.particles.mass().iter().sum();

@@ -31,6 +31,8 @@ pub struct Surface<'a> {
     pub front: Rgb,
     /// Colour of the back.
     pub back: Rgb,
+    /// Whether sharp edges are drawn as edges, and not smoothly.
+    pub has_edges: bool,
 }
 
 impl<'a> Surface<'a> {
@@ -41,6 +43,7 @@ impl<'a> Surface<'a> {
             triangles,
             front: [0x3f, 0x86, 0xc4],
             back: [0xe3, 0xa8, 0x57],
+            has_edges: false,
         }
     }
 
@@ -51,6 +54,7 @@ impl<'a> Surface<'a> {
             triangles,
             front: [0xb4, 0xb7, 0xba],
             back: [0x8c, 0x8f, 0x92],
+            has_edges: true,
         }
     }
 }

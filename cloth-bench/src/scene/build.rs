@@ -97,7 +97,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
     let gravity = up * -*Weight::read(settings)?.gravity;
     if name == "hang" && *Midpoints::read(settings)?.points == Points::Midpoints {
         let (small, model) = midpoints::cut(settings, &mesh, &held)?;
-        let touch = ContactSetup::new(settings, Vec::new())?;
+        let touch = ContactSetup::new(settings, &mesh, Vec::new())?;
         if !touch.is_idle() {
             return Err(BenchError::Usage(
                 "self=yes cannot be with points=midpoints: there are gaps between the small triangles, which contact would go through".into(),
@@ -126,7 +126,8 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         .as_ref()
         .map(|kind| touching::below(kind, &mesh, up, settings));
     let scene = of_mesh(name, &mesh, model, gravity);
-    let touch = ContactSetup::new(settings, obstacles.transpose()?.into_iter().collect())?;
+    let obstacles = obstacles.transpose()?.into_iter().collect();
+    let touch = ContactSetup::new(settings, &mesh, obstacles)?;
     Ok(Scene {
         order,
         touch: Some(touch),

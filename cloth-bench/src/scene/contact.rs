@@ -5,7 +5,7 @@ mod surfaces;
 pub use surfaces::BodySurface;
 
 use crate::error::BenchError;
-use crate::settings::{Choice, Range::*, Settings, Table};
+use crate::settings::{Auto, Choice, Or, Range::*, Settings, Table};
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::{BroadPhaseKind, SeparationProbe};
@@ -16,8 +16,9 @@ use cloth_core::mesh::TriMesh;
 crate::settings! {
     /// Of the surface of cloth.
     pub(crate) struct Surface {
-        thickness: Real = 2e-3 "m" in Above(0.0),
-            "distance to keep, of cloth from cloth and from obstacles: where contact begins to push";
+        thickness: Or<Auto, Real> = "auto" "m" in Above(0.0),
+            "distance to keep, of cloth from cloth and from obstacles: where contact begins to push; auto: 2e-3, or \
+             half the mean edge of the mesh where that is less";
         friction: Real = 0.3 in AtLeast(0.0), "coefficient of friction, of cloth with cloth and with obstacles";
     }
     /// Of contact.
@@ -40,6 +41,47 @@ crate::settings! {
         broad_phase: BroadPhaseKind = "hierarchy",
             "what finds near triangles: hierarchy (a tree of boxes), spatial-hash or morton-grid; the motion is the \
              same with each, bit for bit";
+    }
+}
+
+/// The thickness of cloth (m) unless edges are short.
+const USUAL_THICKNESS: Real = 2e-3;
+
+/// The mean length (m) of the edges of the triangles.
+fn mean_edge(mesh: &TriMesh) -> Real {
+    let x = mesh.positions();
+    let length = |[a, b]: [u32; 2]| (x[a as usize] - x[b as usize]).norm();
+    let edges = mesh
+        .triangles()
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges.map(length).sum::<Real>() / (3.0 * mesh.triangle_count() as Real)
+}
+
+impl Surface {
+    /// The thickness (m) of a cloth `mesh`. Where it is more than half an edge, most of what is near a vertex is its
+    /// own neighbourhood.
+    pub(super) fn thickness_of(&self, mesh: &TriMesh) -> Real {
+        match *self.thickness {
+            Or::Word(Auto::Auto) => USUAL_THICKNESS.min(0.5 * mean_edge(mesh)),
+            Or::Value(thickness) => thickness,
+        }
+    }
+
+    /// What a user should know of it.
+    fn note(&self, mesh: &TriMesh) -> Option<String> {
+        let (thickness, edge) = (self.thickness_of(mesh), mean_edge(mesh));
+        match *self.thickness {
+            Or::Word(Auto::Auto) if thickness < USUAL_THICKNESS => Some(format!(
+                "the thickness of contact is {thickness:.3e} m, half the mean edge of the cloth, and not \
+                 {USUAL_THICKNESS} m: its triangles are too small for that"
+            )),
+            Or::Value(_) if thickness > edge => Some(format!(
+                "the thickness of contact, {thickness} m, is more than the mean edge of the cloth, {edge:.3e} m: steps \
+                 take long, since every part is near many others"
+            )),
+            _ => None,
+        }
     }
 }
 
@@ -150,8 +192,12 @@ pub struct ContactSetup {
 }
 
 impl ContactSetup {
-    /// As the settings say, with these bodies.
-    pub(super) fn new(settings: &Settings, bodies: Vec<Body>) -> Result<Self, BenchError> {
+    /// Of a cloth `mesh`, as the settings say, with these bodies.
+    pub(super) fn new(
+        settings: &Settings,
+        mesh: &TriMesh,
+        bodies: Vec<Body>,
+    ) -> Result<Self, BenchError> {
         let (surface, own) = (Surface::read(settings)?, Contact::read(settings)?);
         let (stiffness, friction, restitution) =
             (*own.contact_stiffness, *surface.friction, *own.restitution);
@@ -211,6 +257,9 @@ impl ContactSetup {
         if is_on && shapes.is_empty() && animated.is_empty() {
             own.pinched.refuse_without("an obstacle")?;
         }
+        if is_on && (self_collision || !shapes.is_empty() || !animated.is_empty()) {
+            notes.extend(surface.note(mesh));
+        }
         // contact=none switches contact off, whatever else is said of it.
         if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
             let what = "anything to touch (self=yes)";
@@ -223,7 +272,7 @@ impl ContactSetup {
         Ok(Self {
             is_on,
             self_collision,
-            thickness: *surface.thickness,
+            thickness: surface.thickness_of(mesh),
             stiffness,
             friction,
             restitution,
@@ -397,6 +446,42 @@ impl ContactSetup {
         Ok(())
     }
 
+    /// A sentence about each body that the cloth can push, and that starts in another one.
+    pub(super) fn overlap_warnings(&self) -> impl Iterator<Item = String> + '_ {
+        /// Deeper than by rounding, in parts of the size of a body.
+        const ROUNDING: Real = 1e-9;
+        self.free.iter().filter_map(|&(number, _)| {
+            let pose = self.obstacles[number].motion().pose_at(0.0);
+            let own = self.shapes[number].0.positions();
+            let size = own.iter().map(|x| x.norm()).fold(0.0, Real::max);
+            let others = self.obstacles.iter().enumerate().filter(|(other, obstacle)| {
+                *other != number && obstacle.shape().error_bound() < Real::INFINITY
+            });
+            let depth = |obstacle: &Obstacle| {
+                let depths = own.iter().map(|x| -obstacle.signed_distance(pose.to_world(*x), 0.0).value);
+                depths.fold(Real::NEG_INFINITY, Real::max)
+            };
+            let (other, depth) = others
+                .map(|(other, obstacle)| (other, depth(obstacle)))
+                .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+            (depth > ROUNDING * size).then(|| {
+                format!(
+                    "{}, which the cloth can push, starts in {}, {depth:.3e} m deep: it cannot fall out of it, so \
+                     move it out",
+                    self.body_name(number),
+                    self.body_name(other)
+                )
+            })
+        })
+    }
+
+    /// What messages call the body of a number of contact: of an obstacle, or of an animated surface behind them.
+    pub(super) fn body_name(&self, body: usize) -> String {
+        let number = self.numbers.get(body).map_or(body, |number| *number) + 1;
+        let kind = self.kinds.get(body).copied().unwrap_or("animation");
+        format!("obstacle {number} ({kind})")
+    }
+
     /// The obstacles, with what is said of them.
     pub(super) fn rigid_bodies(&self) -> impl Iterator<Item = NamedBody<'_>> + '_ {
         let known = self.obstacles().zip(&self.shapes).zip(&self.kinds);
@@ -407,6 +492,13 @@ impl ContactSetup {
             obstacle,
             has_triangles: shape.1,
         })
+    }
+
+    /// The obstacles that the cloth cannot push.
+    pub(super) fn standing_obstacles(&self) -> impl Iterator<Item = &Obstacle> + '_ {
+        let all = self.obstacles.iter().enumerate();
+        all.filter(|(number, _)| !self.is_free(*number))
+            .map(|(_, obstacle)| obstacle)
     }
 
     /// The obstacles where they start, and those that the cloth pushes on the path that they are on now.

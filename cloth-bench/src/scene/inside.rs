@@ -1,9 +1,12 @@
-//! Cloth that starts inside a body, or on it, where contact holds infinite energy and would shoot it out.
+//! Cloth that starts inside a body, or on it, where contact holds infinite energy and would shoot it out; and what is
+//! said of cloth that crosses a body.
 
-use super::Scene;
+use super::{ContactSetup, Scene};
 use crate::error::BenchError;
+use cloth_core::contact::ContactError;
 use cloth_core::math::Real;
 use cloth_core::particles::State;
+use cloth_core::step::StepError;
 use cloth_core::topology::{EdgeTable, components};
 
 impl Scene {
@@ -47,8 +50,7 @@ impl Scene {
             let Some((vertex, depth)) = deepest else {
                 continue;
             };
-            let order = self.order.as_ref();
-            let named = order.map_or(vertex, |order| order.old_of_new()[vertex] as usize);
+            let named = self.named(vertex as u32);
             let x = state.positions[vertex];
             let advice = match (body.has_triangles, touch.untangles()) {
                 (true, false) => {
@@ -60,7 +62,7 @@ impl Scene {
             return Err(BenchError::Usage(format!(
                 "the cloth starts inside obstacle {} ({}), with {} of its vertices: the deepest is vertex {named}, at \
                  ({:.4}, {:.4}, {:.4}) m, {depth:.3e} m below the surface; move it out, \
-                 the thickness of {} m away{advice}",
+                 the thickness of {} m away, or hold what is to stay inside{advice}",
                 body.number + 1,
                 body.kind,
                 inside.len(),
@@ -71,5 +73,72 @@ impl Scene {
             )));
         }
         Ok(())
+    }
+
+    /// What a user should know of the start, a sentence each.
+    pub(crate) fn start_warnings(&self) -> Vec<String> {
+        let mut warnings: Vec<String> = self.border_warning().into_iter().collect();
+        if self.model.particles.free_count() == 0 && self.changes.is_empty() {
+            warnings.push("all vertices are held, for ever: nothing can move by itself".into());
+        }
+        let touch = self.touch.iter().filter(|touch| !touch.is_idle());
+        warnings.extend(touch.flat_map(ContactSetup::overlap_warnings));
+        warnings
+    }
+
+    /// The number of a vertex in the caller's mesh.
+    fn named(&self, vertex: u32) -> u32 {
+        let order = self.order.as_ref();
+        order.map_or(vertex, |order| order.old_of_new()[vertex as usize])
+    }
+
+    /// The error of a step; of one that begins with crossing triangles in the scene's own numbers.
+    pub(crate) fn crossing_error(&self, error: StepError) -> BenchError {
+        let StepError::Contact {
+            reason:
+                ContactError::IntersectingStart {
+                    pairs,
+                    triangle,
+                    body,
+                },
+            step,
+        } = error
+        else {
+            return error.into();
+        };
+        let [a, b, c] = triangle.map(|v| self.named(v));
+        let named = |touch: &ContactSetup| body.map(|body| touch.body_name(body));
+        let other = self.touch.as_ref().and_then(named);
+        let other = other.unwrap_or_else(|| "the cloth itself".into());
+        BenchError::Failed(format!(
+            "step {step}: {pairs} pairs of triangles pass through each other at its start, the first of them that with \
+             the vertices {a}, {b} and {c} of the cloth, and one of {other}; move them apart, hold the vertices that \
+             are to stay in a body, or have them pulled apart (untangle=yes)"
+        ))
+    }
+
+    /// A sentence about held vertices in bodies, each with the number of its body in contact; none without any.
+    pub(crate) fn held_inside(&self, pairs: &[[u32; 2]]) -> Option<String> {
+        /// So many are named.
+        const MOST: usize = 6;
+        let first = pairs.first()?;
+        let body = self.touch.as_ref()?.body_name(first[1] as usize);
+        let of_it = pairs.iter().filter(|pair| pair[1] == first[1]);
+        let mut vertices: Vec<u32> = of_it.map(|pair| self.named(pair[0])).collect();
+        vertices.sort_unstable();
+        let more = match vertices.len().saturating_sub(MOST) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let others = match pairs.len() - vertices.len() {
+            0 => String::new(),
+            others => format!(", and {others} in other bodies"),
+        };
+        vertices.truncate(MOST);
+        let vertices: Vec<String> = vertices.iter().map(u32::to_string).collect();
+        Some(format!(
+            "held vertices are in {body}, and the triangles around them pass through it: vertices {}{more}{others}",
+            vertices.join(", ")
+        ))
     }
 }

@@ -39,7 +39,7 @@ pub(super) fn below(
     let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
     let lowest = low.dot(&up).min(high.dot(&up));
     let middle = (low + high) / 2.0;
-    let thickness = *Surface::read(settings)?.thickness;
+    let thickness = Surface::read(settings)?.thickness_of(mesh);
     // Two thicknesses below the lowest vertex.
     let at = |depth: Real| middle + up * (lowest - depth - 2.0 * thickness - middle.dot(&up));
     let turned = UnitQuaternion::rotation_between(&Vec3::z(), &up)
@@ -129,7 +129,7 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
     let mut scene = Scene {
         steps: 180,
-        touch: Some(ContactSetup::new(settings, vec![floor])?),
+        touch: Some(ContactSetup::new(settings, &mesh, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     };
     for x in &mut scene.start.positions {
@@ -185,7 +185,7 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
     Ok(Scene {
         steps: 240,
         pins: Some(Arc::new(pins)),
-        touch: Some(ContactSetup::new(settings, Vec::new())?),
+        touch: Some(ContactSetup::new(settings, &mesh, Vec::new())?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }
@@ -194,8 +194,8 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
 pub(super) fn stack(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
     const WIDTH: Real = 0.5;
     let n = *Grid::read(settings)?.n - 1;
-    let gap = 1.5 * *Surface::read(settings)?.thickness;
     let flat = sheet(settings, [n; 2], [WIDTH; 2])?;
+    let gap = 1.5 * Surface::read(settings)?.thickness_of(&flat);
     let layer = |k: u32| {
         let turn = Rotation3::from_axis_angle(&Vec3::z_axis(), 0.1 * Real::from(k));
         moved(&flat, |x| turn * x + Vec3::z() * (gap * Real::from(k)))
@@ -208,7 +208,7 @@ pub(super) fn stack(name: &'static str, settings: &Settings) -> Result<Scene, Be
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
     Ok(Scene {
         steps: 120,
-        touch: Some(ContactSetup::new(settings, vec![floor])?),
+        touch: Some(ContactSetup::new(settings, &mesh, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }

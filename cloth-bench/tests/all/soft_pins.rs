@@ -156,7 +156,7 @@ fn what_is_wrong_with_a_pin_or_a_mass_is_said_with_its_line() {
             "twice",
             "[[pins]]\nvertices = [0]\n[[pins]]\nvertices = [0, 1]\nstiffness = 9\n",
             10,
-            "vertex 0 is held by other [[pins]]",
+            "vertex 0 is held at the same time by ",
         ),
         ("no-mass", "[[mass]]\nvertices = [0]\n", 8, "needs a mass"),
         (

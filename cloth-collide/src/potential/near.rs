@@ -11,6 +11,7 @@ use crate::incidence::{Incidence, joined};
 use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
 use crate::separation::meet_unduly;
+use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 
@@ -72,6 +73,8 @@ pub(crate) struct Near {
     pub(super) is_resting: Vec<bool>,
     pub(super) let_go: LetGo,
     pub(super) pinched: Pinched,
+    /// Prescribed vertices in bodies, or at them: the triangles around them pass through.
+    pub(super) held: Pinched,
     /// None if the cloth cannot touch itself.
     triangle_pairs: Option<TrianglePairs>,
 }
@@ -106,6 +109,7 @@ impl Near {
             is_resting: vec![false; mesh.vertex_count()],
             let_go: LetGo::default(),
             pinched: Pinched::default(),
+            held: Pinched::default(),
             triangle_pairs: any.then(|| TrianglePairs::new(mesh)),
         }
     }
@@ -159,8 +163,9 @@ impl Near {
         }
     }
 
-    /// How many pairs of triangles meet at `x` (m) that should not.
-    pub(super) fn crossing(&mut self, x: &[Vec3]) -> Result<usize, NonFinite> {
+    /// That no triangles meet at `x` (m) that should not. One of the cloth that meets a body may, if a corner of it is
+    /// prescribed: nothing could part them, so its prescribed corners pass through that body from now on.
+    pub(super) fn check_crossing(&mut self, x: &[Vec3]) -> Result<(), ContactError> {
         self.find_triangles(x)?;
         let crosses = |pair: &[[u32; 3]; 2]| {
             let vertices = pair.as_flattened();
@@ -170,7 +175,29 @@ impl Near {
                 && !self.is_pinched(vertices)
                 && meet_unduly(*pair, x)
         };
-        Ok(self.near_triangles().filter(crosses).count())
+        let (mut held, mut first, mut pairs) = (Vec::new(), None, 0);
+        for [a, b] in self.near_triangles().filter(crosses) {
+            let (own, other) = if self.is_own(a[0]) { (a, b) } else { (b, a) };
+            let body = self.body_of(other[0]);
+            let fixed = own.into_iter().filter(|&v| !self.is_free[v as usize]);
+            let before = held.len();
+            held.extend(
+                body.iter()
+                    .flat_map(|&n| fixed.clone().map(move |v| [v, n as u32])),
+            );
+            if held.len() == before {
+                first.get_or_insert((own, body));
+                pairs += 1;
+            }
+        }
+        self.held.extend(held);
+        first.map_or(Ok(()), |(triangle, body)| {
+            Err(ContactError::IntersectingStart {
+                pairs,
+                triangle,
+                body,
+            })
+        })
     }
 
     /// Whether two triangles are kept apart unless they are let go: bodies do not touch each other, nor prescribed
@@ -206,10 +233,11 @@ impl Near {
         let mut crossing = Vec::new();
         for [a, b] in self.near_triangles() {
             let body = self.body_of(a[0]).or(self.body_of(b[0]));
+            let own = if self.is_own(a[0]) { a } else { b };
             if let Some(body) = body.filter(|body| bodies.contains(body))
+                && !self.held.any_passes(&own, body)
                 && meet_unduly([a, b], x)
             {
-                let own = if self.is_own(a[0]) { a } else { b };
                 crossing.extend(own.map(|v| [v, body as u32]));
             }
         }
@@ -220,13 +248,12 @@ impl Near {
 
     /// Whether part of the cloth with these vertices passes through the body of which the others are.
     fn is_pinched(&self, vertices: &[u32]) -> bool {
+        let all = [&self.pinched, &self.held];
         let mut bodies = vertices.iter().filter_map(|&v| self.body_of(v));
-        let passes = |body| {
-            vertices
-                .iter()
-                .any(|&v| self.pinched.passes(v as usize, body))
-        };
-        self.pinched.count() > 0 && bodies.next().is_some_and(passes)
+        all.iter().any(|some| some.count() > 0)
+            && bodies
+                .next()
+                .is_some_and(|body| all.iter().any(|some| some.any_passes(vertices, body)))
     }
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.

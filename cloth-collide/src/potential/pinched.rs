@@ -10,7 +10,7 @@ use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
 
 /// Vertices of the cloth that pass through bodies.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Pinched {
     /// A vertex and the number of a body each, in rising order.
     pairs: Vec<[u32; 2]>,
@@ -28,6 +28,15 @@ impl Pinched {
                 .pairs
                 .binary_search(&[vertex as u32, body as u32])
                 .is_ok()
+    }
+
+    /// Whether one of these vertices passes through a body.
+    pub(super) fn any_passes(&self, vertices: &[u32], body: usize) -> bool {
+        vertices.iter().any(|&v| self.passes(v as usize, body))
+    }
+
+    pub(super) fn pairs(&self) -> &[[u32; 2]] {
+        &self.pairs
     }
 
     /// The bodies that something passes through.
@@ -54,7 +63,13 @@ impl Pinched {
 
     /// Nothing passes through a body any more.
     pub(super) fn release(&mut self, body: usize) {
-        self.pairs.retain(|pair| pair[1] as usize != body);
+        self.retain(|_, of| of != body);
+    }
+
+    /// Only these vertices pass through their bodies from now on.
+    pub(super) fn retain(&mut self, mut passes: impl FnMut(usize, usize) -> bool) {
+        self.pairs
+            .retain(|&[v, body]| passes(v as usize, body as usize));
     }
 }
 

@@ -528,13 +528,28 @@ impl Contacts {
         self.take_back();
         let was_open = std::mem::take(&mut self.is_anew);
         let is_same = !self.near.begin(step.inverse_mass);
-        if !was_open && is_same && self.safe == step.from {
+        let goes_on = !was_open && is_same && self.safe == step.from;
+        if goes_on && !self.held_moves() {
             return Ok(true);
         }
         self.safe.clear();
-        match self.near.crossing(step.from)? {
-            0 => Ok(false),
-            pairs => Err(ContactError::IntersectingStart { pairs }),
-        }
+        let before = self.near.held.clone();
+        let Near { held, is_free, .. } = &mut self.near;
+        held.retain(|v, body| {
+            let body = self.bodies.get(body).filter(|_| !is_free[v]);
+            body.is_some_and(|(body, _)| body.signed_distance(step.from[v], 0.0).value <= 0.0)
+        });
+        self.near.check_crossing(step.from)?;
+        Ok(goes_on && self.near.held == before)
+    }
+
+    /// Whether vertices that are held in bodies may be so no more.
+    fn held_moves(&self) -> bool {
+        let stands = |body: u32| {
+            let body = self.bodies.get(body as usize);
+            body.is_some_and(|(body, _)| body.motion().is_still())
+        };
+        let moves = |[v, body]: &[u32; 2]| !self.near.is_resting[*v as usize] || !stands(*body);
+        self.near.held.pairs().iter().any(moves)
     }
 }

@@ -30,11 +30,12 @@ const NO_TIME: Real = 1e-12;
 /// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
 /// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside
-/// of bodies. The start of a step must be free of crossings; it is if the last step ended there, and if anything else
-/// has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are
-/// [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude or that
-/// are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and are let
-/// go until they are apart; nor of cloth that crosses a body then, before that body.
+/// of bodies, and the triangles around them pass through a body that they cross at the start of a step
+/// ([`PotentialContacts::held_inside`]). The start of a step must be free of crossings; it is if the last step ended
+/// there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing
+/// ones are [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude
+/// or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and
+/// are let go until they are apart; nor of cloth that crosses a body then, before that body.
 ///
 /// # Example
 ///
@@ -368,6 +369,13 @@ impl PotentialContacts {
         if self.contacts.take_back() {
             self.surfaces.time = self.surfaces.begun;
         }
+    }
+
+    /// The prescribed vertices around which triangles pass through a body, with its number each: obstacles first, then
+    /// animated surfaces.
+    #[must_use]
+    pub fn held_inside(&self) -> &[[u32; 2]] {
+        self.contacts.near.held.pairs()
     }
 
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).

@@ -298,7 +298,13 @@ fn start_that_is_not_free_is_refused_or_led_out() {
     };
     let mut contacts = PotentialContacts::builder(&mesh).build().unwrap();
     let found = begin(&mut contacts, &crossed);
-    assert_eq!(found, Err(ContactError::IntersectingStart { pairs: 1 }));
+    let (pairs, triangle, body) = (1, [0, 1, 2], None);
+    let expected = ContactError::IntersectingStart {
+        pairs,
+        triangle,
+        body,
+    };
+    assert_eq!(found, Err(expected));
 
     let mesh = TriMesh::new(flat.to_vec(), vec![[0, 1, 2]]).unwrap();
     let plane = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());

@@ -7,6 +7,9 @@ use super::camera::Camera;
 use super::{SAMPLES, Surface, View};
 use crate::report::palette::{Rgb, from_linear, to_linear};
 
+/// Cosine of the angle between a triangle and the mean of those at its corner, from which on an edge is drawn there.
+const EDGE: f64 = 0.9;
+
 /// Linear-light colour samples with their nearness.
 pub(super) struct Raster {
     width: usize,
@@ -39,6 +42,9 @@ impl Raster {
         let normals = vertex_normals(surface.positions, surface.triangles);
         let shade = Shade::new(surface, camera, view);
         for triangle in surface.triangles {
+            let [a, b, c] = triangle.map(|v| surface.positions[v as usize]);
+            let flat = (b - a).cross(&(c - a)).normalize();
+            let is_edge = |normal: &Vec3| surface.has_edges && normal.dot(&flat) < EDGE;
             let corner = |i: usize| {
                 let vertex = triangle[i] as usize;
                 let position = surface.positions[vertex];
@@ -46,7 +52,10 @@ impl Raster {
                 Some(Corner {
                     at,
                     position,
-                    normal: normals[vertex],
+                    normal: match normals[vertex] {
+                        normal if is_edge(&normal) => flat,
+                        normal => normal,
+                    },
                 })
             };
             if let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) {

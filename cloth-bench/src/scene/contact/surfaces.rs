@@ -81,6 +81,14 @@ impl ContactSetup {
         rigid.chain(animated)
     }
 
+    /// Vertices (m) of the bodies that have an end, at a time (s).
+    pub(crate) fn bounded_surfaces(&self, time: Real) -> impl Iterator<Item = Vec<Vec3>> + '_ {
+        let rigid = self.shapes.iter().map(|(_, has_triangles)| *has_triangles);
+        let bounded = rigid.chain(std::iter::repeat(true));
+        let all = self.surfaces(time).zip(bounded);
+        all.filter_map(|((positions, _), is_bounded)| is_bounded.then_some(positions))
+    }
+
     /// The body of a triangle, and which of its own it is, in words; counted from 0 through the triangles of those
     /// bodies that have edges, in the order of [`ContactSetup::body_numbers`].
     #[must_use]

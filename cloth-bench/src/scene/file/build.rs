@@ -262,8 +262,10 @@ impl<'a> Sections<'a> {
             None => mesh,
         };
         let mut model = material.cut(&mesh, |_| true)?;
+        let mut added_masses = Vec::new();
         for (section, vertices) in self.masses.iter().zip(weighted) {
-            mass::add(section, &vertices, &mut model.particles)?;
+            let mass = mass::add(section, &vertices, &mut model.particles)?;
+            added_masses.push((vertices, mass));
         }
         model.fasten([Elements::Links(links)]);
         let inside = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
@@ -294,18 +296,19 @@ impl<'a> Sections<'a> {
         }
         let [low, high] = bounds(mesh.positions().iter().copied());
         let size = (high - low).norm();
-        let thickness = *Surface::read(&contact)?.thickness;
+        let thickness = Surface::read(&contact)?.thickness_of(&mesh);
         let bodies = self.obstacles.iter();
         let bodies: Vec<_> = bodies
             .map(|section| obstacles::body(section, folder, [size, thickness], gravity))
             .collect::<Result<_, _>>()?;
-        let mut touch = ContactSetup::new(&contact, bodies)?;
+        let mut touch = ContactSetup::new(&contact, &mesh, bodies)?;
         for obstacle in self.obstacles.iter().filter(|_| touch.is_idle()) {
             let own = obstacle.read::<Obstacle>()?;
             own.density.refuse_given("with contact=none")?;
             own.mass.refuse_given("with contact=none")?;
         }
-        touch.pieces = roughness::of_pieces(&contact, &self.roughness, &counts, order.as_ref())?;
+        touch.pieces =
+            roughness::of_pieces(&contact, &self.roughness, (&mesh, &counts), order.as_ref())?;
         touch.check_friction(&contact)?;
         if let (true, Some(section)) = (touch.is_idle(), self.roughness.iter().flatten().next()) {
             let message = "has no meaning without anything to touch";
@@ -315,6 +318,7 @@ impl<'a> Sections<'a> {
             order,
             touch: Some(touch),
             air: air::around(&self.air, &cloth, &mesh)?,
+            added_masses,
             pins: Some(Arc::new(ways)).filter(|ways| !ways.is_empty()),
             changes,
             gases,

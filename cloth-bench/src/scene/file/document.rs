@@ -109,7 +109,7 @@ impl<'a> Section<'a> {
     }
 
     /// Its place, as errors begin.
-    fn place(&self) -> String {
+    pub(super) fn place(&self) -> String {
         match self.table {
             Some(table) => self.document.place(table.span()) + self.info.head + ": ",
             None => format!("{}: ", self.document.path.display()),

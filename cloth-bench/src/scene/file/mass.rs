@@ -6,12 +6,12 @@ use crate::error::BenchError;
 use cloth_core::math::Real;
 use cloth_core::particles::Particles;
 
-/// Adds the mass of a table to these vertices.
+/// Adds the mass (kg) of a table to these vertices, and gives it.
 pub(super) fn add(
     section: &Section<'_>,
     vertices: &[usize],
     particles: &mut Particles,
-) -> Result<(), BenchError> {
+) -> Result<Real, BenchError> {
     let own = section.read::<Mass>()?;
     let mass = own
         .mass
@@ -22,5 +22,5 @@ pub(super) fn add(
         let added = particles.set_mass(vertex, whole);
         added.map_err(|error| own.mass.refuse(error))?;
     }
-    Ok(())
+    Ok(mass)
 }

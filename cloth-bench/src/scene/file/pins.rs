@@ -125,8 +125,8 @@ pub(super) fn hold(section: &Section<'_>, vertices: Vec<usize>) -> Result<Hold, 
     })
 }
 
-/// Refuses vertices that two tables hold at the same time, unless both do so for ever and without a spring. `name` has
-/// the caller's number of a vertex.
+/// Refuses vertices that two tables hold at the same time, unless both do so for ever, without a spring and with the
+/// same motion. `name` has the caller's number of a vertex.
 pub(super) fn refuse_overlap(
     sections: &[Section<'_>],
     holds: &[Hold],
@@ -134,15 +134,17 @@ pub(super) fn refuse_overlap(
 ) -> Result<(), BenchError> {
     for (later, (section, hold)) in sections.iter().zip(holds).enumerate() {
         let end = |hold: &Hold| hold.until.unwrap_or(Real::INFINITY);
-        for other in &holds[..later] {
+        for (before, other) in sections.iter().zip(holds).take(later) {
             let meet = hold.from < end(other) && other.from < end(hold);
-            if !meet || !(hold.is_timed() || other.is_timed()) {
+            let agree = !hold.is_timed() && !other.is_timed() && hold.motion == other.motion;
+            if !meet || agree {
                 continue;
             }
             let both = hold.vertices.iter().find(|v| other.vertices.contains(v));
             if let Some(vertex) = both {
-                let vertex = name(*vertex);
-                let message = format!("vertex {vertex} is held by other [[pins]] at the same time");
+                let (vertex, place) = (name(*vertex), before.place());
+                let place = place.trim_end_matches(": ");
+                let message = format!("vertex {vertex} is held at the same time by {place}");
                 return Err(section.refuse_table(message));
             }
         }

@@ -5,14 +5,15 @@ use super::keys;
 use crate::error::BenchError;
 use crate::scene::contact::{PieceContact, Surface};
 use crate::settings::{Settings, Table};
+use cloth_core::mesh::TriMesh;
 use cloth_core::method::ordering::Order;
 
 /// Thickness and friction of every vertex, if a piece has its own; `common` is what `[contact]` says, `counts` are the
-/// numbers of vertices of the pieces.
+/// numbers of vertices of the pieces of `mesh`.
 pub(super) fn of_pieces(
     common: &Settings,
     own: &[Option<Section<'_>>],
-    counts: &[usize],
+    (mesh, counts): (&TriMesh, &[usize]),
     order: Option<&Order>,
 ) -> Result<Option<PieceContact>, BenchError> {
     if own.iter().all(Option::is_none) {
@@ -27,7 +28,7 @@ pub(super) fn of_pieces(
         piece.extend(std::iter::repeat_n(number, *count));
         let settings = section.map(|section| section.settings(common.clone()));
         let surface = Surface::read(settings.as_ref().unwrap_or(common))?;
-        thickness.extend(std::iter::repeat_n(*surface.thickness, *count));
+        thickness.extend(std::iter::repeat_n(surface.thickness_of(mesh), *count));
         friction.extend(std::iter::repeat_n(*surface.friction, *count));
     }
     Ok(Some(PieceContact {

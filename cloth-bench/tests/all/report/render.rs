@@ -126,6 +126,7 @@ fn the_nearer_surface_hides_the_farther_and_each_side_has_its_colour() {
         triangles: &triangles,
         front: [200, 0, 0],
         back: [0, 200, 0],
+        has_edges: false,
     };
     let blue = Surface {
         positions: &far,

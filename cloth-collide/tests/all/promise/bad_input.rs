@@ -120,9 +120,10 @@ fn sheet_pressed_into_a_line_is_tangled() {
     flight.positions.iter_mut().for_each(|x| x.y = 0.117);
     let pairs = flight.crossings();
     assert!(pairs > 0);
-    assert_eq!(
-        flight.step(0.01),
-        Err(ContactError::IntersectingStart { pairs })
+    let found = flight.step(0.01);
+    assert!(
+        matches!(found, Err(ContactError::IntersectingStart { pairs: n, body: None, .. }) if n == pairs),
+        "{found:?}"
     );
 }
 
