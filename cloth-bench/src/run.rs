@@ -283,7 +283,8 @@ pub struct Moment<'a> {
     pub report: &'a StepReport,
     /// The forces of contact in it, if the plan wants them and there is something to touch.
     pub forces: Option<&'a ContactForces>,
-    /// What the cloth, and the bodies that it pushes, hold by then (J): kinetic and elastic energy, and that of contact.
+    /// What the cloth, and the bodies that it pushes, hold by then (J): kinetic and elastic energy, and that of
+    /// contact.
     pub held: Real,
     /// What they have been given until then (J): what they held at the start, what gravity has released, and work.
     pub given: Real,

@@ -69,8 +69,8 @@ pub trait Table: Sized {
     fn read(settings: &Settings) -> Result<Self, BenchError>;
 }
 
-/// Declares structs of settings. A field is `name: Type = default "unit" in range, "what it is";`; unit and range may be
-/// left out. A key that cannot be the name of a field stands behind it: `collides as "self": bool = "no", "…";`. The
+/// Declares structs of settings. A field is `name: Type = default "unit" in range, "what it is";`; unit and range may
+/// be left out. A key that cannot be the name of a field stands behind it: `collides as "self": bool = "no", "…";`. The
 /// [module](mod@crate::settings) has an example.
 #[macro_export]
 macro_rules! settings {

@@ -2,9 +2,9 @@
 //!
 //! A study is a grid of cases, one measurement, tables and figures over typed rows, and a conclusion:
 //!
-//! 1. `study.grid(points, name, measure)` measures every point of a grid that is not finished yet, or `grid_side_by_side`
-//!    where no times are measured, and gives the points with what was found there. What failed is a remark already.
-//!    Points are tuples such as `iproduct!(methods(), sizes)` gives, or structs.
+//! 1. `study.grid(points, name, measure)` measures every point of a grid that is not finished yet, or
+//!    `grid_side_by_side` where no times are measured, and gives the points with what was found there. What failed is a
+//!    remark already. Points are tuples such as `iproduct!(methods(), sizes)` gives, or structs.
 //! 2. What is measured is a serde struct, kept in the journal; behind its point it is a row.
 //!    `study.table(name, caption, &rows)` reads the columns from the structs, units included; what a tuple holds is
 //!    named by `Table::named`.

@@ -25,8 +25,8 @@
 //!   the part across it where C_L ≤ C_D, shrink in a step of any length and keep their signs;
 //! - the energy that comes to rest in a steady wind stays what the wind has pushed it to.
 //!
-//! Implicit methods have the term `½ (v − v₀)ᵀ D (v − v₀) h` in what they minimise, explicit ones divide by `I + h D/m`,
-//! and methods with sweeps project every vertex on it, as XPBD does a constraint of the stiffness D/h
+//! Implicit methods have the term `½ (v − v₀)ᵀ D (v − v₀) h` in what they minimise, explicit ones divide by `I + h
+//! D/m`, and methods with sweeps project every vertex on it, as XPBD does a constraint of the stiffness D/h
 //! ([`Air::project`]); the last two in every substep.
 //!
 //! # Limits
@@ -227,8 +227,8 @@ impl Air {
         self.work = Some(self.work.unwrap_or(0.0) + self.work_of_substep(x, w));
     }
 
-    /// The same of an explicit substep of `h` (s), whose forces do their work with the mean of the velocities before and
-    /// after it: that is what the kinetic energy gains by them.
+    /// The same of an explicit substep of `h` (s), whose forces do their work with the mean of the velocities before
+    /// and after it: that is what the kinetic energy gains by them.
     pub fn end_explicit(&mut self, h: Real, v: &[Vec3], w: &[Real]) {
         self.add_drag(v);
         let free = (0..self.load.len()).filter(|&vertex| w[vertex] > 0.0);

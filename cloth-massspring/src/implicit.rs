@@ -16,8 +16,8 @@
 //!
 //! Without the velocity, a stage says that `x` is a stationary point of `‖x − x̂‖²_M/(2s²) + E(x)` with
 //! `s² = τ²/(1 + ατ)` and `x̂ = x_b + τ v_b/(1 + ατ) + s² g`: the drag α only changes two numbers. The modules below:
-//! the function in `stage`, `damper` and `air_drag`, the loops in `minimizer` (default) and `newton`, the matrix in `system`, the
-//! step length in `line_search` and, where there is contact, the core's
+//! the function in `stage`, `damper` and `air_drag`, the loops in `minimizer` (default) and `newton`, the matrix in
+//! `system`, the step length in `line_search` and, where there is contact, the core's
 //! [`TrustRadius`](cloth_core::method::trust::TrustRadius).
 //!
 //! One step is `Implicit::advance`: it sets x_b, x̂ and the start of the iteration (`predict`), minimises

@@ -72,8 +72,8 @@ impl PdSolver {
     /// the upper bound at most `m/Δt² + 2 n k + K`: for K = 100 k and n = 8 seven times as large. Cholesky's
     /// factorisation loses nothing by that: its error follows the condition of the matrix scaled to a unit diagonal
     /// (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 10.1), in which a large diagonal
-    /// entry only uncouples its row. [`detach`](PdSolver::detach), as a correction of a factor that has K in it, subtracts
-    /// nearly equal numbers, and loses as many digits as K/(n k) has.
+    /// entry only uncouples its row. [`detach`](PdSolver::detach), as a correction of a factor that has K in it,
+    /// subtracts nearly equal numbers, and loses as many digits as K/(n k) has.
     ///
     /// # Errors
     /// [`ChangeError::NoSuchVertex`]; [`ChangeError::InvalidAttachment`] for a stiffness that is not positive and

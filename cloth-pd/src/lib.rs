@@ -86,11 +86,12 @@
 //! degenerate and inverted triangles. The bᵢ (1/m) are the gradients of the linear hat functions at rest.
 //!
 //! With the edge x₀ x₁, the tips x₂ and x₃, and the angles at rest θ₀, θ₁ of the first triangle and θ₂, θ₃ of the other
-//! at x₀ and x₁, a hinge has `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, so that ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its
-//! fold θ without stretch; D is the bending rigidity (N m), A₀ and A₁ are the areas of its triangles. For small θ a
-//! flat hinge stores ½ D e² θ²/(A₀ + A₁). A cylinder of curvature κ then stores ½ D κ² per area on equilateral
-//! triangles, and on the alternating grid along its lines; 1½ times that along its diagonals. A hinge curved at rest
-//! compares lengths only, so a fold by θ₀ to the wrong side costs nothing either.
+//! at x₀ and x₁, a hinge has `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, so that
+//! ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its fold θ without stretch; D is the bending rigidity (N m), A₀
+//! and A₁ are the areas of its triangles. For small θ a flat hinge stores ½ D e² θ²/(A₀ + A₁). A cylinder of curvature
+//! κ then stores ½ D κ² per area on equilateral triangles, and on the alternating grid along its lines; 1½ times that
+//! along its diagonals. A hinge curved at rest compares lengths only, so a fold by θ₀ to the wrong side costs nothing
+//! either.
 //!
 //! Both steps minimise, so `G` falls in every iteration with the whole matrix, from any start, without a line search:
 //! the frozen p bound the energy from above and touch it at x (majorise and minimise; `objective.rs` has by how much,
@@ -220,9 +221,9 @@
 //!
 //! To drag, call [`PdSolver::prescribe`]: changing your `Particles` does nothing, the solver has a copy. Before every
 //! step set the velocity of the vertex to `(goal − x)/Δt`: a prescribed vertex goes on with the one that it has.
-//! [`Pins::set_velocities`](cloth_core::Pins::set_velocities) does so for paths. Softly: [`attach`](PdSolver::attach) once, then
-//! [`move_attachment`](PdSolver::move_attachment). A load f holds an attached vertex f/k away from its target: with k a
-//! hundred times the stiffness of its springs, by a hundredth of what they are stretched.
+//! [`Pins::set_velocities`](cloth_core::Pins::set_velocities) does so for paths. Softly: [`attach`](PdSolver::attach)
+//! once, then [`move_attachment`](PdSolver::move_attachment). A load f holds an attached vertex f/k away from its
+//! target: with k a hundred times the stiffness of its springs, by a hundredth of what they are stretched.
 //!
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
@@ -283,8 +284,8 @@
 //!   twice what it came to, one that only the radius has cut doubles it. Without it, a handkerchief on the corner of a
 //!   table (`cloth-bench/scenes/handkerchief.toml`) gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J
 //!   that it was given, and a step took seven times as long; with it, nothing beyond those (commit 9374ec2).
-//! - **A step goes on until it is near enough**, as it does without contact: for 20 iterations, unless forces balance to
-//!   10⁻⁸ before, and until what the iteration still has to move is a tenth of what forces have moved
+//! - **A step goes on until it is near enough**, as it does without contact: for 20 iterations, unless forces balance
+//!   to 10⁻⁸ before, and until what the iteration still has to move is a tenth of what forces have moved
 //!   ([`PdConfig::velocity_tolerance`]), or up to [`PdConfig::most_iterations`]. A ribbon that folds down on itself
 //!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.477 m, with a tenth of the tolerance 0.496 m, by implicit Euler
 //!   0.495 m; a towel without friction slides off its rail (`tests/all/towel.rs` of `cloth-bench`). If the end is above

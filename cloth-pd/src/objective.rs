@@ -35,7 +35,8 @@ use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput};
 use sprs::CsMat;
 
-/// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact and the drag of the air where they are felt, in terms of the displacement
+/// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact and the drag of the air where they are felt, in terms
+/// of the displacement
 /// `q = x − x[0]`.
 ///
 /// With `u = x̃ − x[0] = Δt v + Δt² a` the inertia is `m q·(q − 2u)/(2Δt²)` and a constant, and its gradient

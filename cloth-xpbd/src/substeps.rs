@@ -104,8 +104,8 @@ pub struct SubstepRule {
     pub strain: Real,
     /// Acceleration of free fall (m/s²).
     pub gravity: Vec3,
-    /// The greatest height (m) through which any part of the cloth can fall: its own length, where it can swing, and what
-    /// is free below it; no more than what is above a floor.
+    /// The greatest height (m) through which any part of the cloth can fall: its own length, where it can swing, and
+    /// what is free below it; no more than what is above a floor.
     pub fall: Real,
     /// The largest tension (N/m) that lasts, such as `p R/2` of a sphere of radius R (m) with a gauge pressure p (Pa)
     /// inside, or `F/w` of a force (N) on a width (m); 0 for none.

@@ -241,7 +241,8 @@ impl Section {
         html + "</section>\n"
     }
 
-    /// So many of its tables, without the first ones. Long ones are folded away, and all but the first of a section that leads.
+    /// So many of its tables, without the first ones. Long ones are folded away, and all but the first of a section
+    /// that leads.
     fn tables_to_html(&self, most: usize, without: usize) -> String {
         let mut html = String::new();
         for (name, caption, table) in self.tables.iter().skip(without).take(most) {

@@ -176,9 +176,9 @@ impl Table {
         self.rows.push(cells.collect());
     }
 
-    /// A table of typed rows: a column per field, of the same name with blanks for `_`; where there is more to say, such
-    /// as a unit, with `#[serde(rename = "time (s)")]`. The fields of a field that is a struct, and of the elements of
-    /// a tuple, are columns of their own.
+    /// A table of typed rows: a column per field, of the same name with blanks for `_`; where there is more to say,
+    /// such as a unit, with `#[serde(rename = "time (s)")]`. The fields of a field that is a struct, and of the
+    /// elements of a tuple, are columns of their own.
     ///
     /// # Panics
     /// If a row holds what is no cell, such as a list.

@@ -223,8 +223,8 @@ impl EnergyBalance {
         }
     }
 
-    /// Enters the work of a step that ended in `state`, with a load (N) and the air, the work of pins and of both (J) if
-    /// the method knows it, and that of bodies (J).
+    /// Enters the work of a step that ended in `state`, with a load (N) and the air, the work of pins and of both (J)
+    /// if the method knows it, and that of bodies (J).
     pub(super) fn add_work(
         &mut self,
         state: &State,

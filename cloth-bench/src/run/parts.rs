@@ -1,8 +1,9 @@
 //! Steps in several parts, where the method wants them or the cloth pushes bodies.
 //!
-//! Where it does, as many as resolve the frequency of a body on its contact, and twice as many where that is not enough: a body moves
-//! before the cloth and takes up its push after it, so a method that minimises has felt a body that is Δv Δt from where
-//! it should be. Where that is more than the thickness the part is taken back, and taken again as two.
+//! Where it does, as many as resolve the frequency of a body on its contact, and twice as many where that is not
+//! enough: a body moves before the cloth and takes up its push after it, so a method that minimises has felt a body
+//! that is Δv Δt from where it should be. Where that is more than the thickness the part is taken back, and taken again
+//! as two.
 
 use super::Course;
 use super::energy::EnergyBalance;
@@ -25,7 +26,8 @@ struct Taken {
 }
 
 impl Course<'_> {
-    /// One step of `dt` (s), in parts where the method wants them or the cloth pushes a body. `balance` is told of the work done.
+    /// One step of `dt` (s), in parts where the method wants them or the cloth pushes a body. `balance` is told of the
+    /// work done.
     pub(super) fn step(
         &mut self,
         stepper: &mut dyn Stepper,

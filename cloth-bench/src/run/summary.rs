@@ -17,7 +17,8 @@ pub struct Summary {
     pub ms_per_step_median: Real,
     /// Median time of contact in it (ms); 0 where there is nothing to touch.
     pub contact_ms_median: Real,
-    /// Parts of steps that ended with vertices held back, see [`truncated_count`](cloth_core::contact::ContactSource::truncated_count).
+    /// Parts of steps that ended with vertices held back, see
+    /// [`truncated_count`](cloth_core::contact::ContactSource::truncated_count).
     pub held_steps: u32,
     /// Those after which cloth that bodies had pinched was passing through one of them.
     pub pinched_steps: u32,
@@ -61,8 +62,8 @@ pub struct Summary {
     pub contact_energy: Real,
     /// The sum of these three, and what sealed volumes store (J).
     pub potential_energy: Real,
-    /// The most by which the cloth, and the bodies that it pushes, held more energy than they were given by their start,
-    /// gravity, moving pins and bodies, air and gas (J); 0 if they never did but for rounding.
+    /// The most by which the cloth, and the bodies that it pushes, held more energy than they were given by their
+    /// start, gravity, moving pins and bodies, air and gas (J); 0 if they never did but for rounding.
     pub energy_excess: Real,
     /// The most that they were given until any step (J).
     pub energy_given: Real,

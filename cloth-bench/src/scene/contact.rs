@@ -113,7 +113,8 @@ pub(super) enum Body {
         surface: TriMesh,
         /// Mass and inertia, if the cloth can push it.
         free: Option<Box<RigidBody>>,
-        /// As a scene file calls its shape. Of a plane the signed distance at the vertices of the cloth is all there is.
+        /// As a scene file calls its shape. Of a plane the signed distance at the vertices of the cloth is all there
+        /// is.
         kind: &'static str,
         /// Coefficient of friction of its own (dimensionless).
         friction: Option<Real>,

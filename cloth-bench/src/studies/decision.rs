@@ -158,7 +158,8 @@ pub fn shown(scope: Scope, rows: &[Row], foretold: &str, memory: Option<Real>) -
     table
 }
 
-/// Which methods have nothing against them but their cost, which of these is best at what, and what is against the others.
+/// Which methods have nothing against them but their cost, which of these is best at what, and what is against the
+/// others.
 #[must_use]
 pub fn verdict(rows: &[Row]) -> String {
     let against = |row: &Row| -> Vec<&str> {

@@ -50,8 +50,8 @@ fn cloth_that_is_stopped_hard_leaves_no_faster_than_it_came() {
 }
 
 /// Sheets that fall on a sphere have to buckle at once, which a cloth linearised before does not know of: one
-/// linearisation a step leaves 0.32 J from nowhere and half of the fall. A sheet has several ways to buckle, and rounding
-/// chooses among them, so the falls of several sheets are compared on average.
+/// linearisation a step leaves 0.32 J from nowhere and half of the fall. A sheet has several ways to buckle, and
+/// rounding chooses among them, so the falls of several sheets are compared on average.
 #[test]
 fn linearised_cloth_on_a_sphere_falls_nearly_as_far_and_makes_no_energy() {
     let methods = ["linear-implicit", "implicit-euler --set tolerance=1e-8"];
@@ -113,8 +113,8 @@ fn sweeps_by_their_default_leave_no_energy_in_scenes_that_ship() {
 }
 
 /// A disk of cloth falls on a tilted ring that turns, in steps of 1/30 s. In the seventh one pair is nearly closed, and
-/// one bound for all vertices would let it hold the whole cloth: after 4,000 iterations it would be stretched by 13 % and
-/// hold 9 J that nothing gave.
+/// one bound for all vertices would let it hold the whole cloth: after 4,000 iterations it would be stretched by 13 %
+/// and hold 9 J that nothing gave.
 #[test]
 fn implicit_steps_do_not_stall_for_one_pair() {
     let scene = written(
@@ -387,8 +387,8 @@ fn pins_that_set_out_at_once_give_what_the_cloth_holds() {
     }
 }
 
-/// A stiff strip hangs by its edge, where it starts: some nanojoules of 20 nJ that gravity gives are no energy from nowhere
-/// that is worth a word.
+/// A stiff strip hangs by its edge, where it starts: some nanojoules of 20 nJ that gravity gives are no energy from
+/// nowhere that is worth a word.
 #[test]
 fn what_hangs_at_rest_is_not_warned_of() {
     let scene = written(
@@ -403,8 +403,8 @@ fn what_hangs_at_rest_is_not_warned_of() {
     assert!(excess > 0.01 * given, "{excess} of {given} J");
 }
 
-/// A ball falls on a trampoline. The account has it: it brings half of its mass times the square of its speed, and gravity
-/// gives m g times the way that it falls.
+/// A ball falls on a trampoline. The account has it: it brings half of its mass times the square of its speed, and
+/// gravity gives m g times the way that it falls.
 #[test]
 fn a_ball_that_the_cloth_throws_back_is_in_the_account() {
     let text = "[[mesh]]\ngenerator = \"disk:10\"\nscale = 2\n[cloth]\ndensity = 0.5\nstiffness = 15000\n\

@@ -1,8 +1,6 @@
 //! Cloth that is held inside of a body: a flag in its pole, a cape on a shoulder.
 
-use crate::program::program;
-use crate::scene_text::written;
-use serde_json::Value;
+use crate::program::run_text;
 
 /// A sheet upright, held by its upper edge; the middle vertex of that is in a ball.
 const CAPE: &str = r#"
@@ -40,17 +38,6 @@ size = [1, 1, 0.15]
 position = [0.8, 0, 0.075]
 "#;
 
-fn run(name: &str, scene: &str, method: &str, more: &[&str]) -> (Option<Value>, i32, String) {
-    let path = written(name, scene);
-    let mut arguments = vec!["run", path.to_str().unwrap(), "--method", method, "--json"];
-    arguments.extend(["--threads", "1"]);
-    arguments.extend(more);
-    let output = program(&arguments);
-    let told = serde_json::from_slice(&output.stdout).ok();
-    let said = String::from_utf8(output.stderr).unwrap();
-    (told, output.status.code().unwrap(), said)
-}
-
 /// What hangs from the ball hangs as it does without one: the ball is nowhere else in its way but at the four cells
 /// around the held vertex. Free vertices stay out of the ball.
 #[test]
@@ -61,13 +48,13 @@ fn cloth_held_in_a_body_hangs_from_it() {
             "xpbd" => &["--set", "strain=0.07"],
             _ => &[],
         };
-        let (told, code, said) = run("cape", CAPE, method, more);
+        let (told, code, said) = run_text("cape", CAPE, method, more);
         assert_eq!(code, 0, "{method}: {said}");
         let warning = "held vertices are in obstacle 1 (sphere), and the triangles around them pass through it: \
                        vertices 115";
         assert!(said.contains(warning), "{said}");
         let alone = CAPE.split("[[obstacle]]").next().unwrap();
-        let (free, ..) = run("cape-alone", alone, method, more);
+        let (free, ..) = run_text("cape-alone", alone, method, more);
         let [with, without] =
             [told, free].map(|told| told.unwrap()["center_of_mass_drop"].as_f64().unwrap());
         assert!(
@@ -81,7 +68,7 @@ fn cloth_held_in_a_body_hangs_from_it() {
 #[test]
 fn free_cloth_in_a_body_is_refused_with_what_to_do() {
     let finer = CAPE.replace("11x11", "41x41");
-    let (_, code, said) = run("cape-fine", &finer, "implicit-euler", &[]);
+    let (_, code, said) = run_text("cape-fine", &finer, "implicit-euler", &[]);
     assert_eq!(code, 2, "{said}");
     for part in [
         "obstacle 1 (sphere)",
@@ -98,7 +85,7 @@ fn crossing_triangles_are_named() {
     let between = CAPE
         .replace("radius = 0.06", "radius = 0.02")
         .replace("0.5, 0, 1", "0.53, 0, 0.56");
-    let (_, code, said) = run("cape-crossed", &between, "implicit-euler", &[]);
+    let (_, code, said) = run_text("cape-crossed", &between, "implicit-euler", &[]);
     assert_eq!(code, 1, "{said}");
     for part in [
         "step 1:",
@@ -115,7 +102,7 @@ fn crossing_triangles_are_named() {
 #[test]
 fn pins_may_drive_cloth_through_a_body() {
     for method in ["implicit-euler", "pd", "xpbd"] {
-        let (_, code, said) = run("carpet", CARPET, method, &[]);
+        let (_, code, said) = run_text("carpet", CARPET, method, &[]);
         assert_eq!(code, 0, "{method}: {said}");
     }
 }

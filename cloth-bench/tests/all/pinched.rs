@@ -1,7 +1,6 @@
 //! Cloth between two bodies that close.
 
-use crate::program::program;
-use crate::scene_text::written;
+use crate::program::run_text;
 use serde_json::Value;
 
 /// A sheet hangs between a ball and a box that meet at 0.3 m/s. Their surfaces are 0.14 m from each other at the start,
@@ -31,14 +30,8 @@ velocity = [-0.15, 0, 0]
 
 /// What a run of so many steps prints, with its exit code and what it says besides.
 fn run(method: &str, steps: &str, more: &[&str]) -> (Option<Value>, i32, String) {
-    let path = written("jaws", JAWS);
-    let mut arguments = vec!["run", path.to_str().unwrap(), "--method", method, "--json"];
-    arguments.extend(["--watch", "--threads", "1", "--steps", steps]);
-    arguments.extend(more);
-    let output = program(&arguments);
-    let told = serde_json::from_slice(&output.stdout).ok();
-    let said = String::from_utf8(output.stderr).unwrap();
-    (told, output.status.code().unwrap(), said)
+    let more = [&["--watch", "--steps", steps], more].concat();
+    run_text("jaws", JAWS, method, &more)
 }
 
 /// As long as there is room nothing is let go; then the cloth passes through one of the bodies, and when they have left

@@ -169,9 +169,9 @@ fn ball_comes_to_rest_where_the_net_carries_its_weight() {
     }
 }
 
-/// A ball drops into a net that hangs from its corners and is thrown back: what a step ends with is what the net does to
-/// the ball, wherever the iteration has looked last. Projective dynamics compares its end with the start of the step, and
-/// the ball once got the few forces of the start, lost all its speed, and the net stayed stretched around it.
+/// A ball drops into a net that hangs from its corners and is thrown back: what a step ends with is what the net does
+/// to the ball, wherever the iteration has looked last. Projective dynamics compares its end with the start of the
+/// step, and the ball once got the few forces of the start, lost all its speed, and the net stayed stretched around it.
 #[test]
 fn net_throws_a_ball_back() {
     let mut text = String::from(

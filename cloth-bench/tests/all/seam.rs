@@ -249,7 +249,8 @@ fn a_sleeve_is_sewn_around_an_arm_without_a_crossing() {
     }
 }
 
-/// Two sheets that lie on each other's border, sewn from the start: contact leaves the seam alone, and they fall as one.
+/// Two sheets that lie on each other's border, sewn from the start: contact leaves the seam alone, and they fall as
+/// one.
 #[test]
 fn a_seam_that_is_closed_at_the_start_falls_without_a_push() {
     let text = "dt = 0.005\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\nscale = 0.2\n\

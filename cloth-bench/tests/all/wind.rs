@@ -8,8 +8,8 @@ use cloth_bench::scene::Scene;
 use cloth_core::math::Vec3;
 use cloth_core::particles::State;
 
-/// An upright sheet of 0.09 m² and 1.8 g in a wind along y, in which its velocity would be that of the air in a sixtieth
-/// of a second several times over.
+/// An upright sheet of 0.09 m² and 1.8 g in a wind along y, in which its velocity would be that of the air in a
+/// sixtieth of a second several times over.
 const LIGHT: &str = "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:7x7:alternating\"\nscale = 0.3\n\
      rotate = [1.5707963267948966, 0, 0]\n[cloth]\ndensity = 0.02\nstiffness = 500\n";
 const STEPS: [&str; 3] = ["0.0416667", "0.0166667", "0.0041667"];
@@ -84,7 +84,8 @@ fn free_cloth_is_never_faster_than_the_wind() {
     }
 }
 
-/// A sheet that the wind has pulled taut comes to rest: what the air has given it is bounded, and no substep adds to it.
+/// A sheet that the wind has pulled taut comes to rest: what the air has given it is bounded, and no substep adds to
+/// it.
 #[test]
 fn taut_cloth_in_a_steady_wind_takes_no_energy_out_of_it() {
     let text = format!(

@@ -376,8 +376,9 @@ fn sheets_that_meet_keep_their_momentum() {
         }
         let change = (momentum(&state) - before).norm() / before.norm();
         println!("{name}: momentum to {change:e}");
-        // v₁ = 2 Δx/Δt − v₀: the midpoint rule doubles what positions are rounded by, and keeps it; cloth that lies flat is
-        // rounded alike everywhere, 4e-17 m of 0.4 m, so ten steps of 120/s leave some 5e-14 of 0.5 m/s at most.
+        // v₁ = 2 Δx/Δt − v₀: the midpoint rule doubles what positions are rounded by, and keeps it; cloth that lies
+        // flat is rounded alike everywhere, 4e-17 m of 0.4 m, so ten steps of 120/s leave some 5e-14 of 0.5 m/s at
+        // most.
         let rounding = if name == "implicit-midpoint" {
             5e-14
         } else {

@@ -79,7 +79,8 @@ impl FreeBody {
         }
     }
 
-    /// Work (J) of the impulses of contact with the cloth, and of `stop` (N·s, N·m·s), at these velocities (m/s, rad/s).
+    /// Work (J) of the impulses of contact with the cloth, and of `stop` (N·s, N·m·s), at these velocities (m/s,
+    /// rad/s).
     fn works(&self, by_cloth: [Vec3; 2], stop: [Vec3; 2], velocities: [Vec3; 2]) -> [Real; 2] {
         let work =
             |impulse: [Vec3; 2]| (0..2).map(|k| impulse[k].dot(&velocities[k])).sum::<Real>();

@@ -55,8 +55,8 @@
 //!   over the substeps. *Travel* of two (`PatchPair::travel`): the displacements of c_p − c_q and the paths of both,
 //!   added up from look to look (`bring_up`) since the last detection. It never falls, and bounds the relative motion
 //!   since each look in between: a pair that lacks something then need not be asked before the travel has grown by that
-//!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`known_at`). For the paths of a minimisation
-//!   it is the changes that are added up, and nearest points are not kept.
+//!   (`wakes`), and nearest points stay what they are for a travel of 0.02 h (`known_at`). For the paths of a
+//!   minimisation it is the changes that are added up, and nearest points are not kept.
 //! - *Clock* of a patch (`Motions::clocks`): the displacement of its centre besides that of the mean of all of the
 //!   cloth, and its path, added up over the substeps. It never goes back, and two patches move relative to each other
 //!   by no more than both clocks advance together. So a look notes the sum of two clocks until which nothing can happen
@@ -300,12 +300,12 @@ impl Patches {
         self.pairs.len()
     }
 
-    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and adds rows to `lists` of those that
-    /// the motion can bring into contact: all if the substep `begins`, and what it has not seen if the motion has
+    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and adds rows to `lists` of those
+    /// that the motion can bring into contact: all if the substep `begins`, and what it has not seen if the motion has
     /// become another one. Returns false if a path is longer than some edges, which needs more room than patches have.
     ///
-    /// `visit` adds one row to the list that it gets, for a pair, with where its row of the substep before is, if it had
-    /// one, and the travel (m) of its patches; it returns what the pair lacks to contact (m).
+    /// `visit` adds one row to the list that it gets, for a pair, with where its row of the substep before is, if it
+    /// had one, and the travel (m) of its patches; it returns what the pair lacks to contact (m).
     pub(super) fn look<T: Send>(
         &mut self,
         near: &Near,

@@ -50,8 +50,8 @@ pub(super) enum Role {
 }
 
 impl Row {
-    /// Adds that of a pair in a substep in which it would go to `to` (m); `last` is its row of the substep before, if it
-    /// had one, `travel` (m) how far the patches have travelled, and `reach` (m) how far friction stretches. Returns
+    /// Adds that of a pair in a substep in which it would go to `to` (m); `last` is its row of the substep before, if
+    /// it had one, `travel` (m) how far the patches have travelled, and `reach` (m) how far friction stretches. Returns
     /// how far (m) the two are apart, at least.
     #[inline]
     pub(super) fn add(

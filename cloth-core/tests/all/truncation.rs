@@ -41,8 +41,8 @@ impl ContactPotential for Stop {
     fn end(&mut self, _: &[Vec3], _: &[Vec3]) {}
 }
 
-/// Vertices 1 cm apart that all move down by 10 cm. Beside one that is stopped after 5 cm, each goes 0.3 mm further than
-/// the one before, in whatever order they are numbered; what is coupled to none of them is not stopped.
+/// Vertices 1 cm apart that all move down by 10 cm. Beside one that is stopped after 5 cm, each goes 0.3 mm further
+/// than the one before, in whatever order they are numbered; what is coupled to none of them is not stopped.
 #[test]
 fn a_displacement_fades_by_three_percent_of_the_distance() {
     let count = 60;

@@ -118,9 +118,9 @@ impl Bdf2 {
         jump > JUMP * all
     }
 
-    /// Upper bound on the work (J) of load and air in a step that ended in `state`: by the velocity at the end, where the
-    /// load acts, or by the displacement. Where a load changes with time, as that of the air does, the two differ, and
-    /// the energy that it gives the cloth lies between them.
+    /// Upper bound on the work (J) of load and air in a step that ended in `state`: by the velocity at the end, where
+    /// the load acts, or by the displacement. Where a load changes with time, as that of the air does, the two differ,
+    /// and the energy that it gives the cloth lies between them.
     fn work_of(&self, input: &StepInput<'_>, state: &State) -> Real {
         let particles = &self.implicit.particles;
         let [start, _] = &self.after;

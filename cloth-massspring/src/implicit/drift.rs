@@ -1,8 +1,9 @@
 //! Momentum of cloth that nothing holds: what is left of it by an iteration cut short at its tolerance is put right.
 //!
 //! Energies that do not change when a component of the cloth is shifted as a whole leave `G` quadratic in that shift:
-//! `½ tᵀ (m/s² + Σ D/τ) t + t·Σ ∇G`, with m the mass of the component and D the drag of the air. Its minimum is known, and with it linear momentum is kept to
-//! rounding at any tolerance. The iteration starts there too: cloth that falls freely is solved before the first one.
+//! `½ tᵀ (m/s² + Σ D/τ) t + t·Σ ∇G`, with m the mass of the component and D the drag of the air. Its minimum is known,
+//! and with it linear momentum is kept to rounding at any tolerance. The iteration starts there too: cloth that falls
+//! freely is solved before the first one.
 
 use super::line_search::Point;
 use super::stage::Stage;

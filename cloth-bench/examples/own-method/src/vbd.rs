@@ -93,7 +93,8 @@
 //! - The guards bound G, and with it the potential energy after a step by all energy before it. They do not bound the
 //!   kinetic energy.
 //! - In parts of a step cloth slides and swings as it does in short steps, and not as in long ones of implicit Euler,
-//!   which damp: the scene `handkerchief` slides off the table as far as it does with implicit Euler in steps of 1/1800 s.
+//!   which damp: the scene `handkerchief` slides off the table as far as it does with implicit Euler in steps of 1/1800
+//!   s.
 //! - One sweep in each part may gain energy where little is dissipated: the scene `twist` holds 1.5 mJ more within a
 //!   second than the 5.2 mJ that it is given; with two sweeps, or twice as many parts, none.
 //! - A sealed volume couples all of its vertices, and is refused.

@@ -250,8 +250,8 @@ fn given([list, border]: [&Numbers; 2]) -> &Numbers {
     if list.is_given() { list } else { border }
 }
 
-/// Leaves a pair of vertices that two tables sew together, such as the corner of a pillow, to the first of them. Refuses
-/// a table with no pair of its own.
+/// Leaves a pair of vertices that two tables sew together, such as the corner of a pillow, to the first of them.
+/// Refuses a table with no pair of its own.
 pub(super) fn sew_once(sections: &[Section<'_>], seams: &mut [Ends]) -> Result<(), BenchError> {
     let sorted = |&[a, b]: &[u32; 2]| [a.min(b), a.max(b)];
     let mut all: Vec<[u32; 2]> = Vec::new();

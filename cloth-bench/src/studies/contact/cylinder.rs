@@ -128,8 +128,8 @@ fn turns_of(degrees: Real) -> usize {
 }
 
 /// The ratio of the forces at both ends at which a strip without weight slips that goes around the cylinder by so many
-/// degrees, the force at one end growing slowly, infinite if it holds at one and a half times that of its polygon, which
-/// is expected.
+/// degrees, the force at one end growing slowly, infinite if it holds at one and a half times that of its polygon,
+/// which is expected.
 pub(crate) fn slip(name: &str, degrees: Real, friction: Real) -> Result<Measured, BenchError> {
     let turns = turns_of(degrees);
     let strip = Strip::new(turns, 6, friction, 0.0)?;

@@ -4,8 +4,8 @@ use super::survival::scene_of;
 use crate::studies::meshes_and_steps::{MeshesAndSteps, OverConverged, Point};
 use crate::studies::prelude::*;
 
-/// Time of the comparison (s): a sheet has wrapped the upper half of a sphere, and its corners swing; a strip has folded
-/// onto itself; sheets lie on each other; a sleeve hangs on an arm.
+/// Time of the comparison (s): a sheet has wrapped the upper half of a sphere, and its corners swing; a strip has
+/// folded onto itself; sheets lie on each other; a sleeve hangs on an arm.
 const SECONDS: Real = 0.4;
 const SCENES: [&str; 4] = ["drape-sphere", "fold", "stack", "sleeve"];
 

@@ -234,7 +234,8 @@ struct Row {
 /// A method, what is set of it, and the setting in words.
 type Way = (Variant, String);
 
-/// Every method at its default. What grows until it is torn to pieces keeps the last resort of contact busy for minutes.
+/// Every method at its default. What grows until it is torn to pieces keeps the last resort of contact busy for
+/// minutes.
 fn by_default() -> Vec<Way> {
     method::all()
         .filter(|method| method.aims_at_implicit_euler() && !method.is_never_stable())

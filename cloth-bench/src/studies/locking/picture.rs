@@ -1,5 +1,5 @@
-//! What locking looks like: one sheet, folded along the diagonals of its mesh and across them. Beside each fold the flat
-//! mesh with the lengths that are held and the line it is folded about.
+//! What locking looks like: one sheet, folded along the diagonals of its mesh and across them. Beside each fold the
+//! flat mesh with the lengths that are held and the line it is folded about.
 
 use super::fold::{self, Axis, Fold};
 use super::sheet::{Kind, Sheet};

@@ -96,8 +96,8 @@ pub fn features() -> impl Iterator<Item = (&'static str, &'static str)> {
         .map(|((feature, ..), method)| (feature, method.name))
 }
 
-/// Peaks (MB) of processes that take a step without a feature, with it unused, and with it in use; none where the system
-/// does not tell.
+/// Peaks (MB) of processes that take a step without a feature, with it unused, and with it in use; none where the
+/// system does not tell.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Resident {
     #[serde(rename = "without (MB)")]

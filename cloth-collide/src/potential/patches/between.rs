@@ -92,8 +92,8 @@ pub(super) struct Visits<'a, F> {
 }
 
 impl<F> Visits<'_, F> {
-    /// Fills the lists, each from as many looks, on several threads. The first of the looks, of the pairs of patches and
-    /// of the lists have these numbers.
+    /// Fills the lists, each from as many looks, on several threads. The first of the looks, of the pairs of patches
+    /// and of the lists have these numbers.
     pub(super) fn wake_all<T: Send>(
         &self,
         looks: &mut [Look],

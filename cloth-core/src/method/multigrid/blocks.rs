@@ -3,8 +3,8 @@
 use crate::math::{Mat3, Vec3};
 use wide::f32x4;
 
-/// Three numbers and a zero. A register of four: loops over arrays become one of two lanes and single numbers, since the
-/// fourth lane is asked for by nobody.
+/// Three numbers and a zero. A register of four: loops over arrays become one of two lanes and single numbers, since
+/// the fourth lane is asked for by nobody.
 pub(super) type Lanes = f32x4;
 
 /// A 3 × 3 block by columns.

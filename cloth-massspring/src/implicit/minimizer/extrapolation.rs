@@ -1,10 +1,10 @@
 //! Extrapolation: steps longer than the model of `G` says.
 //!
-//! The matrix of a direction is made positive, and is too stiff where cloth buckles: along the directions out of a fold the
-//! true curvature is small or negative, and whole steps there are many and short. The slope at the end of one tells. If
-//! a large part of it is left, the secant through both slopes says where it would be zero, and one more step along the
-//! same direction goes there (J. J. Moré, D. J. Thuente, "Line search algorithms with guaranteed sufficient decrease",
-//! ACM TOMS 20, 1994, <https://doi.org/10.1145/192115.192132>): it costs a contact query and an evaluation, and no
+//! The matrix of a direction is made positive, and is too stiff where cloth buckles: along the directions out of a fold
+//! the true curvature is small or negative, and whole steps there are many and short. The slope at the end of one
+//! tells. If a large part of it is left, the secant through both slopes says where it would be zero, and one more step
+//! along the same direction goes there (J. J. Moré, D. J. Thuente, "Line search algorithms with guaranteed sufficient
+//! decrease", ACM TOMS 20, 1994, <https://doi.org/10.1145/192115.192132>): it costs a contact query and an evaluation, and no
 //! solve.
 //!
 //! *Tried in vain*, on six scenes with contact: other numbers than those below (0.3 and 0.7, 10, 0.1), which make no

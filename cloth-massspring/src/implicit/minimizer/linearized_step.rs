@@ -47,8 +47,8 @@ impl Minimizer {
     }
 
     /// Minimises what the linearised cloth and contact make together; linearised anew where that ends, until the
-    /// function of the stage itself has gone down by [`KEPT`] of what the linearised one promised, and is not above what
-    /// it is where the step begins: what contact has truncated starts with much strain.
+    /// function of the stage itself has gone down by [`KEPT`] of what the linearised one promised, and is not above
+    /// what it is where the step begins: what contact has truncated starts with much strain.
     pub(super) fn minimize_linearized(
         &mut self,
         task: &Task<'_>,
