@@ -294,10 +294,9 @@
 //! `K + E + W`, and of that the largest over all steps so far, this one included: K + E (J) is the kinetic and elastic
 //! energy at the start of a step, W the work named above, of that step. [`StepReport::refinements`] counts. τ = 0.01 is
 //! a good value, on top of [`SubstepRule`]: a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by
-//! twenty substeps, then at no time has more energy than it was given by over 0.8 % of the work of gravity; without τ
-//! it has more by twelve times that work (`tests/all/refinement.rs`). A step without excess costs two evaluations of
-//! the energy. The stiffer a cloth, the more energy is in the same strain, and the more often it takes all eight times
-//! as many.
+//! twenty substeps, then has at no time more energy than it was given by over 0.8 % of the work of gravity; without τ
+//! by twelve times that work. A step without excess costs two evaluations of the energy. The stiffer a cloth, the more
+//! energy is in the same strain, and the more often it takes all eight times as many.
 //!
 //! # Order of the constraints, colours and threads
 //! A sweep visits the families in the order in which they were added, and the elements of a family in the order
