@@ -24,13 +24,13 @@ pub struct PdConfig {
     /// | pins that move | active contacts | ε | iterations, at least |
     /// |---|---|---|---|
     /// | no | no | τ/2 | 10 |
-    /// | no | yes | τ | 20 |
+    /// | no | yes | τ | 8 |
     /// | yes | no | 0.3 τ | 30 |
-    /// | yes | yes | 0.3 τ | 20 |
+    /// | yes | yes | 0.3 τ | 8 |
     ///
     /// Without pairs they are 30 in contact. It is an estimate, weaker than a bound on the gradient: A is too stiff
     /// where cloth bends, so B, and this, come out too small. With active contacts a step ends, too, once `‖∇G(x)‖ ≤
-    /// 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
+    /// 1e-3 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
     /// 0 asks for all `most_iterations`.
     pub velocity_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ

@@ -39,7 +39,7 @@ use crate::lattice::{ElementProlongation, PaddedBlock};
 use crate::vertex_blocks::VertexBlocks;
 use cloth_core::element::{Element, Projective};
 use cloth_core::error::not_negative;
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Mat3, Real, Vec3, gather};
 use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::check_vertices;
 use cloth_core::method::multigrid::Prolongation;
@@ -79,6 +79,13 @@ pub(crate) trait Projections: Debug + Send + Sync {
 
     /// Adds `Pᵀ (Σ w Sᵀ (I − ∂p/∂z) S) P` at x (m) to a matrix on that pattern (N/m), or nothing if it was never bound.
     fn add_stiffness(&self, x: &[Vec3], out: &mut [PaddedBlock]);
+
+    /// Takes `w (I − ∂p/∂z)` of each element at x (m), and adds the 3 × 3 blocks on the diagonal of `Σ w Sᵀ (I − ∂p/∂z)
+    /// S` to those of the vertices (N/m); nothing if the projections are constant.
+    fn linearize(&mut self, x: &[Vec3], diagonal: &mut [Mat3]);
+
+    /// Adds `Σ w Sᵀ (I − ∂p/∂z) S d` of displacements d (m) to `out` (N), as it was linearised.
+    fn add_product(&self, d: &[Vec3], out: &mut [Vec3]);
 }
 
 /// The state of an element that the caller gave.
@@ -101,6 +108,8 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
     blocks: VertexBlocks,
     /// What each element adds to the coarse matrix; nothing without a coarse grid.
     prolongation: ElementProlongation,
+    /// `w (I − ∂p/∂z)` (N/m) of each element where they were linearised.
+    hessians: Vec<[[Mat3; K]; K]>,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
@@ -124,6 +133,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
             places,
             blocks: VertexBlocks::new(particles.len()),
             prolongation: ElementProlongation::default(),
+            hessians: Vec::new(),
         })
     }
 
@@ -213,6 +223,44 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         wide(
             #[inline(always)]
             || add_stiffness(elements, prolongation, are_spheres, x, out),
+        );
+    }
+
+    fn linearize(&mut self, x: &[Vec3], diagonal: &mut [Mat3]) {
+        self.hessians.clear();
+        if E::PROJECTION_IS_CONSTANT {
+            return;
+        }
+        for element in &self.elements {
+            let (operator, weight) = (element.operator(), element.weight());
+            let hessian =
+                element.projected_hessian(apply(&operator, &gather(x, element.vertices())));
+            let hessian = hessian.map(|row| row.map(|block| block * weight));
+            for (i, vertex) in element.vertices().into_iter().enumerate() {
+                let own: Mat3 = (0..K)
+                    .flat_map(|k| (0..K).map(move |l| (k, l)))
+                    .map(|(k, l)| hessian[k][l] * (operator[k][i] * operator[l][i]))
+                    .sum();
+                diagonal[vertex as usize] += own;
+            }
+            self.hessians.push(hessian);
+        }
+    }
+
+    fn add_product(&self, d: &[Vec3], out: &mut [Vec3]) {
+        let hessians = self.elements.iter().zip(&self.hessians);
+        wide(
+            #[inline(always)]
+            || {
+                for (element, hessian) in hessians {
+                    let (vertices, operator) = (element.vertices(), element.operator());
+                    let moved = apply(&operator, &gather(d, vertices));
+                    let force = hessian.map(|row| row.iter().zip(&moved).map(|(h, d)| h * d).sum());
+                    for (i, vertex) in vertices.into_iter().enumerate() {
+                        out[vertex as usize] += force_on(&operator, &force, i);
+                    }
+                }
+            },
         );
     }
 }

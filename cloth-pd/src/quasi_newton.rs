@@ -135,6 +135,9 @@ impl QuasiNewton {
     /// more of them, if any, and a trust radius.
     pub(crate) fn begin(&mut self, in_contact: Option<&[Vec3]>) {
         self.radius = None;
+        if let Some(newton) = &mut self.newton {
+            newton.begin();
+        }
         self.first_radius = FIRST_RADIUS * in_contact.map_or(0.0, longest);
         self.memory.clear_for(match (self.requested, in_contact) {
             (0, _) => 0,
