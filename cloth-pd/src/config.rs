@@ -21,12 +21,12 @@ pub struct PdConfig {
     /// forces have made. As one iteration can make it small, five must have lowered `G` by no more than `5 (ε ‖x −
     /// x̃‖_M/Δt)²` besides. With τ this number (dimensionless, at least 0):
     ///
-    /// | pins that move | active contacts | ε | iterations, at least |
+    /// | moving pins, pushed bodies, forces in contact | active contacts | ε | iterations, at least |
     /// |---|---|---|---|
     /// | no | no | τ/2 | 10 |
     /// | no | yes | τ | 8 |
     /// | yes | no | 0.3 τ | 30 |
-    /// | yes | yes | 0.3 τ | 8 |
+    /// | yes | yes | 0.3 τ | 20 |
     ///
     /// Without pairs they are 30 in contact. It is an estimate, weaker than a bound on the gradient: A is too stiff
     /// where cloth bends, so B, and this, come out too small. With active contacts a step ends, too, once `‖∇G(x)‖ ≤
