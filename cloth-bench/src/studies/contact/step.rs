@@ -60,13 +60,15 @@ struct Place {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reached {
     /// ‖x − x*‖_M/‖x̃ − x*‖_M (dimensionless): 1 at the inertial prediction, which has gone into the sphere.
+    #[serde(rename = "position error")]
     pub position: Number,
     /// (G − G*)/(G(xₙ) − G*) (dimensionless): 1 where the step starts; none if the straight path there is not free of
     /// crossings.
-    pub(super) objective: Option<Number>,
-    /// Seconds of the step.
-    pub(super) seconds: Number,
-    /// Its iterations, over all substeps.
+    #[serde(rename = "objective error")]
+    objective: Option<Number>,
+    /// Time until then.
+    ms: Number,
+    /// Iterations until then, over all substeps.
     pub iterations: u32,
 }
 
@@ -236,7 +238,7 @@ impl ContactProblem {
         Ok(Reached {
             position: Number(self.position_error(&place.positions)),
             objective: objective.map(away),
-            seconds: Number(place.seconds),
+            ms: Number(1e3 * place.seconds),
             iterations: place.iterations,
         })
     }
@@ -255,19 +257,6 @@ impl ContactProblem {
             .sum::<Real>()
             .sqrt()
     }
-}
-
-/// A step by a method.
-#[derive(Clone, Default, Serialize)]
-struct Row {
-    scene: &'static str,
-    n: u32,
-    method: String,
-    setting: String,
-    iterations: u32,
-    ms: Real,
-    position_error: Real,
-    objective_error: Option<Real>,
 }
 
 /// What iterates without contact, but is no other way with it, or leads elsewhere: Newton's matrix has no place for
@@ -291,115 +280,86 @@ pub fn traced(scope: Scope) -> Vec<Variant> {
     variants
 }
 
-impl Row {
-    fn new((scene, n): (&'static str, u32), method: &str, setting: &str, reached: Reached) -> Self {
-        Self {
-            scene,
-            n,
-            method: method.to_owned(),
-            setting: setting.to_owned(),
-            iterations: reached.iterations,
-            ms: 1e3 * reached.seconds.0,
-            position_error: reached.position.0,
-            objective_error: reached.objective.map(|error| error.0),
-        }
-    }
-
-    /// What its curve is called.
-    fn label(&self) -> String {
-        match self.setting.starts_with("substeps") {
-            true => format!("{}, substeps", self.method),
-            false => self.method.clone(),
-        }
-    }
+/// What is measured, and what is set of it: by default, after every one of its iterations, or with substeps.
+fn ways(scope: Scope) -> impl Iterator<Item = (Variant, String)> {
+    // What grows until it is torn to pieces keeps the last resort of contact busy for minutes.
+    let usable = |method: &&Method| method.aims_at_implicit_euler() && !method.is_never_stable();
+    let by_default = method::all().filter(usable).map(Variant::default_of);
+    let by_default = by_default.map(|variant| (variant, DEFAULT.to_owned()));
+    let by_iterations = traced(scope).into_iter();
+    let by_iterations = by_iterations.map(|variant| (variant, ITERATIONS.to_owned()));
+    let by_substeps = cut(scope).into_iter().map(|(method, parts)| {
+        let (label, setting) = (format!("{method}, substeps"), format!("substeps={parts}"));
+        let settings = Settings::of(&format!("{setting} iterations=1"));
+        (Variant { label, settings }, setting)
+    });
+    by_default.chain(by_iterations).chain(by_substeps)
 }
 
-/// Every method at its default. What grows until it is torn to pieces keeps the last resort of contact busy for
-/// minutes.
-fn by_default() -> impl Iterator<Item = &'static Method> {
-    method::all().filter(|method| method.aims_at_implicit_euler() && !method.is_never_stable())
-}
+const DEFAULT: &str = "default";
+const ITERATIONS: &str = "iterations";
+
+/// Scene, vertices a side, method, and what is set of it.
+type At = (&'static str, u32, String, String);
 
 pub(super) fn run(study: &mut StudyRun<'_>) {
-    let (mut defaults, mut samples, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rows, mut counts): (Vec<(At, Reached)>, Vec<_>) = Default::default();
     let columns = WANTED.map(|wanted| format!("to {}", percent(wanted)));
     let mut told = Table::about("scene, vertices", columns.clone());
-    let sizes = |(scene, steps)| {
-        sides(study.scope, scene)
-            .iter()
-            .map(move |&n| (scene, n, steps))
-    };
-    for (scene, n, steps_before) in MOMENTS.into_iter().flat_map(sizes).collect_vec() {
-        let at = (scene, n);
-        let of = format!("a step of {scene}, {n} × {n}");
+    let scope = study.scope;
+    let sizes = |(scene, steps)| iproduct!([scene], sides(scope, scene), [steps]);
+    for (scene, &n, steps_before) in MOMENTS.into_iter().flat_map(sizes) {
         let mut problem = LazyCell::new(|| ContactProblem::new(scene, n, steps_before));
-        let by_default = study.grid(
-            by_default(),
-            |method| format!("{of}, {} by default", method.name),
-            |method| {
-                let settings = method.by_default(Settings::default());
-                problem.get()?.reached(method, &settings)
+        let found = study.grid(
+            ways(scope),
+            |(variant, setting)| {
+                format!("a step of {scene}, {n} × {n}, {}, {setting}", variant.label)
             },
-        );
-        let traces = study.grid(
-            traced(study.scope),
-            |variant| format!("{of}, {} by iterations", variant.label),
-            |variant| {
+            |(variant, setting)| {
+                let (problem, settings) = (problem.get()?, &variant.settings);
                 let method = Method::find(variant.method())?;
-                problem.get()?.trace(method, &variant.settings)
-            },
-        );
-        let steps = study.grid(
-            cut(study.scope),
-            |(method, parts)| format!("{of}, {method} with {parts} substeps"),
-            |(method, parts)| {
-                let settings = Settings::of(&format!("substeps={parts} iterations=1"));
-                problem.get()?.reached(Method::find(method)?, &settings)
+                match &**setting {
+                    ITERATIONS => problem.trace(method, settings),
+                    _ => Ok(vec![problem.reached(method, settings)?]),
+                }
             },
         );
         let mut ours = Vec::new();
-        for (variant, trace) in traces {
-            let first = |wanted| trace.iter().find(|reached| reached.position.0 <= wanted);
-            let taken = WANTED.map(|wanted| Some(first(wanted)?.iterations));
-            counts.push(((scene, n, variant.label.clone()), taken));
-            let row = |reached| Row::new(at, &variant.label, "iterations", reached);
-            ours.extend(trace.into_iter().map(row));
+        for ((Variant { label, .. }, setting), reached) in found {
+            if setting == ITERATIONS {
+                let first = |wanted| reached.iter().find(|at| at.position.0 <= wanted);
+                let taken = WANTED.map(|wanted| Some(first(wanted)?.iterations));
+                counts.push(((scene, n, label.clone()), taken));
+            }
+            let at = |reached| ((scene, n, label.clone(), setting.clone()), reached);
+            ours.extend(reached.into_iter().map(at));
         }
-        let cut_up = steps.into_iter().map(|((method, parts), reached)| {
-            Row::new(at, method, &format!("substeps={parts}"), reached)
-        });
-        ours.extend(cut_up);
-        plot(study, at, &ours);
-        let whole = by_default
-            .into_iter()
-            .map(|(method, reached)| Row::new(at, method.name, "default", reached))
-            .collect_vec();
-        let all = ours.iter().chain(&whole).map(|row| (row.label(), row));
-        let all = all.collect_vec();
-        let reached = || {
-            all.iter()
-                .map(|(label, row)| (&**label, row.position_error, row.ms))
-        };
-        let fastest = WANTED.map(|wanted| fastest_to(wanted, reached()));
+        plot(study, (scene, n), &ours);
+        let reached = ours
+            .iter()
+            .map(|((_, _, label, _), at)| (&**label, at.position.0, at.ms.0));
+        let fastest = WANTED.map(|wanted| fastest_to(wanted, reached.clone()));
         told.line(Cell::said(format!("{scene}, {n} × {n}")), fastest);
-        defaults.extend(whole);
-        samples.extend(ours);
+        rows.extend(ours);
     }
+    let named = ["scene", "n", "method"].map(str::to_owned);
+    let columns = [&named[..], &columns.map(|to| format!("iterations {to}"))].concat();
+    let (defaults, samples): (Vec<_>, Vec<_>) =
+        rows.into_iter().partition(|(at, _)| at.3 == DEFAULT);
+    let of_step = |rows: &[(At, Reached)]| Table::named(&["scene", "n", "method", "setting"], rows);
     study.table(
         "contact-step",
         "One step in contact, every method at its default (but forward Euler, which is not stable at any)",
-        &defaults,
+        of_step(&defaults),
     );
-    let named = ["scene", "n", "method"].map(str::to_owned);
-    let columns = columns.map(|to| format!("iterations {to}"));
     study.table(
         "contact-step-iterations",
         "How many iterations each way takes to a distance from the implicit Euler step, over that of the inertial prediction",
-        Table::named(&[&named[..], &columns].concat(), &counts),
+        Table::named(&columns, &counts),
     );
-    study.data("contact-step-samples", &samples);
+    study.data("contact-step-samples", of_step(&samples));
     let first = MOMENTS[0].0;
-    let sides = sides(study.scope, first);
+    let sides = sides(scope, first);
     study.answer(
         "Which method at which error in contact?",
         "The fastest to a step of implicit Euler; the error is the distance from its end, over that of the inertial prediction.".into(),
@@ -409,11 +369,11 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
 }
 
 /// How far methods are from the end of the step, and from its minimum, against iterations and time.
-fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[Row]) {
-    type Of<T> = fn(&Row) -> T;
-    let position: Of<Option<Real>> = |row| Some(row.position_error);
-    let objective: Of<_> = |row| Some(row.objective_error?.max(Real::EPSILON));
-    let (iterations, time): (Of<_>, Of<_>) = (|row| Real::from(row.iterations), |row| row.ms);
+fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[(At, Reached)]) {
+    type Of<T> = fn(&Reached) -> T;
+    let position: Of<Option<Real>> = |at| Some(at.position.0);
+    let objective: Of<_> = |at| Some(at.objective?.0.max(Real::EPSILON));
+    let (iterations, time): (Of<_>, Of<_>) = (|at| Real::from(at.iterations), |at| at.ms.0);
     let errors = [
         (
             "position",
@@ -433,8 +393,11 @@ fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[Row]) {
         ("time", "time of the step (ms)", time),
     ];
     for ((name, title, y, error), (against, x, effort)) in iproduct!(errors, efforts) {
-        let rows = rows.iter().filter_map(|row| Some((row, error(row)?)));
-        let series = curves(rows, |(row, error)| (row.label(), (effort(row), error)));
+        let rows = rows.iter().filter(|(at, _)| at.3 != DEFAULT);
+        let rows = rows.filter_map(|(at, reached)| Some((&at.2, effort(reached), error(reached)?)));
+        let series = curves(rows, |(label, effort, error)| {
+            (label.clone(), (effort, error))
+        });
         let title = format!("{title} against {against}, {scene}, {n} × {n} vertices");
         let y = Axis::log(&format!("{y} (dimensionless)"));
         let plot = Plot::new(title, Axis::log(x), y).with(series);
