@@ -35,11 +35,11 @@ mod scale;
 pub mod sheets;
 pub mod skip;
 pub mod stability;
-mod stiffness;
+pub mod stiffness;
 mod study_run;
 mod threads;
 pub mod variants;
-mod work_precision;
+pub mod work_precision;
 pub mod xpbd_floor;
 
 pub use cases::{Cases, Progress, Share};

@@ -174,21 +174,23 @@ impl StepProblem {
 
     /// Takes the step with a method and measures after every iteration.
     pub fn trace(&self, stepper: &mut dyn Stepper) -> Result<Vec<Sample>, BenchError> {
-        let mut recorder = Recorder {
-            problem: self,
-            started: Instant::now(),
-            measuring: 0.0,
-            samples: Vec::new(),
-        };
+        let mut samples = Vec::new();
+        let mut recorder = Recorder::new(|iteration, seconds, positions: &[Vec3]| {
+            samples.push(Sample {
+                iteration,
+                seconds,
+                error: self.error(positions),
+            });
+        });
         self.take(stepper, Some(&mut recorder))?;
-        Ok(recorder.samples)
+        Ok(samples)
     }
 
     /// Takes the step, in as many parts as the method wants.
     fn take(
         &self,
         stepper: &mut dyn Stepper,
-        mut observer: Option<&mut Recorder<'_>>,
+        mut observer: Option<&mut dyn Observer>,
     ) -> Result<(State, StepReport), BenchError> {
         let mut state = self.state.clone();
         let parts = stepper.preferred_substeps();
@@ -226,21 +228,37 @@ pub fn reference(model: &ClothModel) -> Result<ImplicitEuler, BenchError> {
         .map_err(BenchError::failed)
 }
 
-struct Recorder<'a> {
-    problem: &'a StepProblem,
+/// Looks at every iteration of a step: at its number from 1, the seconds until then, and the positions (m). Its clock
+/// stands still meanwhile.
+#[derive(Debug)]
+pub(crate) struct Recorder<F> {
+    look: F,
     started: Instant,
-    measuring: Real,
-    samples: Vec<Sample>,
+    looking: Real,
+    count: u32,
 }
 
-impl Observer for Recorder<'_> {
+impl<F: FnMut(u32, Real, &[Vec3])> Recorder<F> {
+    pub(crate) fn new(look: F) -> Self {
+        Self {
+            look,
+            started: Instant::now(),
+            looking: 0.0,
+            count: 0,
+        }
+    }
+
+    /// Seconds so far.
+    pub(crate) fn seconds(&self) -> Real {
+        self.started.elapsed().as_secs_f64() - self.looking
+    }
+}
+
+impl<F: FnMut(u32, Real, &[Vec3])> Observer for Recorder<F> {
     fn iteration(&mut self, _: u32, positions: &[Vec3]) {
         let called = self.started.elapsed().as_secs_f64();
-        self.samples.push(Sample {
-            iteration: self.samples.len() as u32 + 1,
-            seconds: called - self.measuring,
-            error: self.problem.error(positions),
-        });
-        self.measuring += self.started.elapsed().as_secs_f64() - called;
+        self.count += 1;
+        (self.look)(self.count, called - self.looking, positions);
+        self.looking += self.started.elapsed().as_secs_f64() - called;
     }
 }

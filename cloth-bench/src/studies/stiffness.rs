@@ -1,15 +1,16 @@
-//! How stiff a material is as simulated, against iterations and step size.
+//! How stiff a material is as simulated, against iterations, step size and resolution.
 
+use super::meshes_and_steps::range;
 use crate::laws::{Stretched, fixed_projection};
 use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;
 
 pub(super) const STUDY: Study = Study {
     name: "stiffness",
-    question: "Is the stiffness that a method shows the one that was asked for, or does it depend on iterations and step size?",
+    question: "Is the stiffness that a method shows the one that was asked for, or does it depend on iterations, step size and resolution?",
     about: "One constraint: a mass of 1 kg on a spring of 100 N/m, one step; the stiffness follows from how much of the stretch is left. \
-        The dashed curves are ((1 − s)⁻ⁿ − 1)/(Δt² w) for PBD with a fixed projection s, and k. The chain: 20 links of 1 kg and 1e4 N/m hang at rest, and the stretch \
-        of the whole chain is compared with n(n + 1)mg/2k. There the methods that are exact for one constraint part company: a sweep \
+        The dashed curves are ((1 − s)⁻ⁿ − 1)/(Δt² w) for PBD with a fixed projection s, and k. The chain: 20 links of 1 m, 1 kg and 1e4 N/m hang at rest, and the stretch \
+        of the whole chain is compared with n(n + 1)mg/2k: with more and more effort, with every step, and of the same rope cut into fewer and more links, by every method at its published setting. There the methods that are exact for one constraint part company: a sweep \
         carries a force one link further, so few iterations leave the chain soft. PBD from the material stays soft however many there are: each projection is stiff \
         against a mass that moves alone, not against one that its neighbours hold.",
     run,
@@ -21,9 +22,13 @@ const FIXED: [Real; 3] = [0.1, 0.5, 0.9];
 /// Methods on the chain, and what their effort is called.
 fn on_chain() -> impl Iterator<Item = (&'static str, &'static str)> {
     [
+        ("implicit-euler", "iterations"),
+        ("bdf2", "iterations"),
         ("pbd", "iterations"),
+        ("pbd", "substeps"),
         ("xpbd", "iterations"),
         ("xpbd", "substeps"),
+        ("xpbd-direct", "iterations"),
         ("pd", "iterations"),
     ]
     .into_iter()
@@ -36,6 +41,10 @@ const EFFORTS: [&[u32]; 2] = [
         1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024,
     ],
 ];
+
+/// Steps per second, and links, of the chain.
+const RATES: [&[u32]; 2] = [&[15, 60, 240], &[15, 30, 60, 120, 240, 480]];
+const CUTS: [&[u32]; 2] = [&[5, 20, 40], &[5, 10, 20, 40, 80]];
 
 const STEP_SIZES: [Real; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 
@@ -149,98 +158,182 @@ fn measure(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, BenchError>
     on_one_constraint().into_iter().map(measure).collect()
 }
 
+/// Length (m) of the chain, which weighs as many kilograms, and its links where they do not change.
 const LINKS: u32 = 20;
 const CHAIN_STIFFNESS: Real = 1e4;
+const RATE: u32 = 60;
 
-/// What is told of a chain at rest, or still moving after the last step.
-const CHAIN: [&str; 7] = [
-    "method",
-    "effort",
-    "count",
-    "stretch of the chain (m)",
-    "exact (m)",
-    "stiffness / k",
-    "steps to rest",
-];
+/// A chain at rest by a method, and what is changed of it.
+#[derive(Default, Serialize)]
+struct Point {
+    method: Variant,
+    changed: &'static str,
+    value: u32,
+    links: u32,
+    steps_per_second: u32,
+}
 
-fn chain(study: &mut StudyRun<'_>, worst: Real) -> Result<(), BenchError> {
-    let settings = format!("n={LINKS} link=1 mass=1 tip_mass=1 stiffness={CHAIN_STIFFNESS}");
-    let mut scene = scene::build("chain", None, &Settings::of(&settings))?;
-    for p in &mut scene.start.positions {
-        *p = Vec3::new(0.0, 0.0, -p.x);
-    }
-    let n = Real::from(LINKS);
-    let exact = n * (n + 1.0) * 9.81 / (2.0 * CHAIN_STIFFNESS);
-    let efforts = study.scope.of(EFFORTS);
-    let found = study.grid(
-        iproduct!(on_chain(), efforts.iter().copied()),
-        |((name, effort), count)| format!("chain, {name} with {count} {effort}"),
-        |&((name, effort), count)| {
+impl Point {
+    /// Every method with more and more effort, with every step, and with fewer and more links.
+    fn all(scope: Scope) -> Vec<Self> {
+        let point = |method, changed, value| Self {
+            method,
+            changed,
+            value,
+            links: LINKS,
+            steps_per_second: RATE,
+        };
+        let efforts = iproduct!(on_chain(), scope.of(EFFORTS));
+        let efforts = efforts.map(|((name, effort), &count)| {
             let settings = match effort {
                 "substeps" => format!("substeps={count} iterations=1"),
                 _ if ["pbd", "xpbd"].contains(&name) => format!("substeps=1 iterations={count}"),
                 _ => format!("iterations={count}"),
             };
-            let settings = Settings::of(&settings);
-            at_rest(
-                &scene,
-                &mut *Method::find(name)?.build(&scene, &settings, scene.dt)?,
+            let (label, settings) = (format!("{name}, {effort}"), Settings::of(&settings));
+            point(Variant { label, settings }, "effort", count)
+        });
+        let published = || {
+            let stable = method::all().filter(|method| !method.is_never_stable());
+            stable.map(published)
+        };
+        let rates = iproduct!(published(), scope.of(RATES)).map(|(method, &rate)| Self {
+            steps_per_second: rate,
+            ..point(method, "steps per second", rate)
+        });
+        let cuts = iproduct!(published(), scope.of(CUTS)).map(|(method, &links)| Self {
+            links,
+            ..point(method, "links", links)
+        });
+        efforts.chain(rates).chain(cuts).collect()
+    }
+}
+
+/// A method at its published setting, with drag (1/s) where it damps nothing and would never rest.
+pub fn published(method: &Method) -> Variant {
+    let mut variant = Variant::published(method);
+    if ["symplectic-euler", "implicit-midpoint"].contains(&method.name) {
+        variant.label.push_str(", with drag");
+        variant.settings = Settings::of("air_drag=10");
+    }
+    variant
+}
+
+/// A rope of 20 m and 20 kg, cut into so many links, hangs by a method with so many steps per second.
+pub fn hang(variant: &Variant, links: u32, steps_per_second: u32) -> Result<Hung, BenchError> {
+    let link = Real::from(LINKS) / Real::from(links);
+    let stiffness = CHAIN_STIFFNESS / link;
+    let settings =
+        format!("n={links} link={link} mass={link} tip_mass={link} stiffness={stiffness}");
+    let mut scene = scene::build("chain", None, &Settings::of(&settings))?;
+    for p in &mut scene.start.positions {
+        *p = Vec3::new(0.0, 0.0, -p.x);
+    }
+    let dt = 1.0 / Real::from(steps_per_second);
+    let method = Method::find(variant.method())?;
+    let mut solver = method.build(&scene, &variant.settings, dt)?;
+    let mut state = scene.start.clone();
+    let steps = run::to_rest(&scene, &mut *solver, &mut state, dt, 6000, 1e-8)?;
+    let n = Real::from(links);
+    let exact = n * (n + 1.0) * link * 9.81 / (2.0 * stiffness);
+    let stretch = -state.positions[links as usize].z - Real::from(LINKS);
+    Ok(Hung {
+        stretch: Number(stretch),
+        exact: Number(exact),
+        shown: steps.map(|_| Number(exact / stretch)),
+        steps_to_rest: steps,
+    })
+}
+
+/// A chain at rest, or what it was like after the last step.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Hung {
+    #[serde(rename = "stretch of the chain (m)")]
+    stretch: Number,
+    #[serde(rename = "exact (m)")]
+    exact: Number,
+    /// None if it does not come to rest.
+    #[serde(rename = "stiffness / k")]
+    pub shown: Option<Number>,
+    steps_to_rest: Option<u32>,
+}
+
+fn chain(study: &mut StudyRun<'_>, worst: Real) -> Result<(), BenchError> {
+    let rows = study.grid_side_by_side(
+        Point::all(study.scope),
+        |point| {
+            format!(
+                "chain, {}, {} {}",
+                point.method.label, point.value, point.changed
             )
         },
+        |point| hang(&point.method, point.links, point.steps_per_second),
     );
-    let row = |&(at, (stretch, steps)): &(_, (Real, Option<u32>))| {
-        let steps = steps.map_or("not at rest".into(), |steps| Cell::Int(steps.into()));
-        (at, [stretch, exact, exact / stretch], steps)
+    let shown = |changed: &'static str| {
+        let of = rows
+            .iter()
+            .filter(move |(point, _)| point.changed == changed);
+        of.filter_map(|(point, hung)| Some((&*point.method.label, point.value, hung.shown?.0)))
     };
-    let rows = found.iter().map(row).collect_vec();
-    let at_rest = || {
-        let at_rest = found.iter().filter(|(_, (_, steps))| steps.is_some());
-        at_rest.map(|&(((method, effort), count), (stretch, _))| {
-            (method, effort, count, exact / stretch)
-        })
-    };
-    let series = curves(at_rest(), |(method, effort, count, shown)| {
-        (format!("{method}, {effort}"), (Real::from(count), shown))
-    });
-    let plot = Plot::new(
-        "Stiffness of a hanging chain of 20 links against effort, Δt = 1/60 s",
-        Axis::log("iterations or substeps per step (dimensionless)"),
-        Axis::log("stiffness shown / k (dimensionless)"),
-    )
-    .with(series)
-    .exact(
-        "asked for",
-        efforts.iter().map(|&count| (Real::from(count), 1.0)),
-    )
-    .note("Implicit Euler solved to tolerance lies on the dashed line (law hanging-chain).");
-    study.plot("stiffness-chain", &plot);
-    let table = Table::named(&CHAIN, &rows);
-    study.table("stiffness-chain", "A hanging chain at rest", table);
+    for (changed, name, title, x) in [
+        (
+            "effort",
+            "stiffness-chain",
+            "of 20 links against effort, Δt = 1/60 s",
+            "iterations or substeps per step (dimensionless)",
+        ),
+        (
+            "steps per second",
+            "stiffness-chain-step",
+            "of 20 links against the step",
+            "steps per second (1/s)",
+        ),
+        (
+            "links",
+            "stiffness-chain-links",
+            "of 20 m against resolution, Δt = 1/60 s",
+            "links (dimensionless)",
+        ),
+    ] {
+        let series = curves(shown(changed), |(label, x, shown)| {
+            (label, (Real::from(x), shown))
+        });
+        let all = rows.iter().filter(|(point, _)| point.changed == changed);
+        let values = all.map(|(point, _)| point.value).sorted().dedup();
+        let asked = values.map(|x| (Real::from(x), 1.0));
+        let y = Axis::log("stiffness shown / k (dimensionless)");
+        let plot = Plot::new(
+            format!("Stiffness of a hanging chain {title}"),
+            Axis::log(x),
+            y,
+        );
+        study.plot(name, &plot.with(series).exact("asked for", asked));
+    }
+    study.table("stiffness-chain", "A hanging chain at rest", &rows);
     let single = if worst < 1e-6 {
         "One constraint alone follows its closed form"
     } else {
         "One constraint alone does NOT follow its closed form everywhere"
     };
-    let mut told =
-        at_rest()
-            .filter(|(.., count, _)| *count == 16)
-            .map(|(method, effort, _, shown)| {
-                format!("{method} with 16 {effort} shows {shown:.3} of k")
-            });
+    let sixteen = shown("effort").filter(|(_, count, _)| *count == 16);
+    let mut sixteen = sixteen.map(|(label, _, shown)| format!("{label} {shown:.3}"));
+    let ranges = |changed| {
+        let all = curves(shown(changed), |(label, x, shown)| {
+            (label, (Real::from(x), shown))
+        });
+        let told = all.iter().map(|curve| {
+            let range = range(curve.points.iter().map(|(_, shown)| *shown));
+            format!("{} {range}", curve.label)
+        });
+        told.collect_vec().join(", ")
+    };
     study.section.verdict = Some(format!(
         "{single} (largest distance {worst:.1e}): only PBD with a fixed projection depends on iterations and step size.\nThe stiffness is k at any iteration count and step size for XPBD, PD, implicit Euler, and PBD with the projection made from \
          the material; for PBD with a fixed projection a stiffness that grows by orders of magnitude with iterations and with smaller steps. A chain \
-         of 20 links at rest: {}.",
-        told.join("; ")
+         of 20 links at rest shows, as a part of k, with 16 of each effort: {}; with every step at the published settings: {}; of fewer and more links: {}.",
+        sixteen.join(", "),
+        ranges("steps per second"),
+        ranges("links")
     ));
     Ok(())
-}
-
-/// Stretch (m) of the chain when nothing moves any more, and the steps that took; `None` if it still moved after the
-/// last.
-fn at_rest(scene: &Scene, solver: &mut dyn Stepper) -> Result<(Real, Option<u32>), BenchError> {
-    let mut state = scene.start.clone();
-    let steps = run::to_rest(scene, solver, &mut state, scene.dt, 6000, 1e-8)?;
-    let last = state.positions.len() - 1;
-    Ok((-state.positions[last].z - Real::from(LINKS), steps))
 }

@@ -244,7 +244,7 @@ impl Reference {
 }
 
 /// ‖x − y‖_M/(√Σm · L) with the longest side L of the box around the start.
-fn distance(scene: &Scene, x: &[Vec3], y: &[Vec3]) -> Real {
+pub fn distance(scene: &Scene, x: &[Vec3], y: &[Vec3]) -> Real {
     let masses = scene.model.particles.mass();
     let (mut squares, mut mass) = (0.0, 0.0);
     for ((x, y), m) in x.iter().zip(y).zip(masses) {

@@ -16,6 +16,7 @@ mod recovery;
 mod sheets;
 mod skip;
 mod stability;
+mod stiffness;
 mod work_precision;
 mod xpbd_floor;
 

@@ -85,43 +85,86 @@ pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
 
 /// The same with another coefficient of friction.
 pub fn slide_with(name: &str, degrees: Real, friction: Real) -> Result<Measured, BenchError> {
+    Ok(sliding(name, degrees, friction)?[0])
+}
+
+/// The part of its weight times the thickness that a sheet has lost of its energy after sliding from rest, to friction
+/// and to the method's own steps.
+pub fn slide_energy(name: &str, degrees: Real) -> Result<Measured, BenchError> {
+    Ok(sliding(name, degrees, MU)?[1])
+}
+
+/// How far (m) a sheet slides, and what it loses of its energy.
+fn sliding(name: &str, degrees: Real, friction: Real) -> Result<[Measured; 2], BenchError> {
     let angle = degrees.to_radians();
     let density = 0.2;
     let scene = sheet(9, density, angle, friction, gap(density, angle))?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
-    let (_, end) = run::simulate(&scene, method, &settings, scene.dt, SLIDE)?;
+    let (summary, end) = run::simulate(&scene, method, &settings, scene.dt, SLIDE)?;
     let count = end.positions.len() as Real;
     let both = end.positions.iter().zip(&scene.start.positions);
     let measured = both.map(|(b, a)| b.x - a.x).sum::<Real>() / count;
     let substeps = method.substeps(&scene, &settings, scene.dt)?;
     let h = scene.dt / Real::from(substeps);
-    let steps = method.free_fall(SLIDE * substeps);
-    Ok(Measured::new(
-        0.5 * pull(angle, friction) * h * h * steps,
-        measured,
-    ))
+    let steps = SLIDE * substeps;
+    let acceleration = pull(angle, friction);
+    let expected = 0.5 * acceleration * h * h * method.free_fall(steps);
+    let speed = acceleration * h * Real::from(steps);
+    let lost = (G * angle.sin() * expected - 0.5 * speed * speed) / (G * THICKNESS);
+    Ok([
+        Measured::new(expected, measured),
+        Measured::new(lost, energy_lost(&scene, &summary)),
+    ])
+}
+
+/// Energy that a sheet has lost over its weight times the thickness.
+fn energy_lost(scene: &Scene, end: &run::Summary) -> Real {
+    let lost = end.contact_energy_at_start - end.kinetic_energy - end.potential_energy;
+    let mass: Real = scene.model.particles.mass().iter().sum();
+    lost / (mass * G * THICKNESS)
 }
 
 /// The gap (m) at which a sheet of an areal density (kg/m²) comes to rest.
 pub fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
-    settle(name, 9, density)
+    Ok(settle(name, 9, density, 60)?[0])
 }
 
 /// The same of one of 20 kg/m² with so many vertices a side.
 pub fn rest_at(name: &str, vertices_a_side: Real) -> Result<Measured, BenchError> {
-    settle(name, vertices_a_side as u32, HEAVY)
+    Ok(settle(name, vertices_a_side as u32, HEAVY, 60)?[0])
 }
 
-fn settle(name: &str, n: u32, density: Real) -> Result<Measured, BenchError> {
+/// The same with so many steps a second.
+pub fn rest_with(name: &str, rate: Real) -> Result<Measured, BenchError> {
+    Ok(settle(name, 9, HEAVY, rate as u32)?[0])
+}
+
+/// The part of its weight times the thickness that a sheet of an areal density (kg/m²) has lost of its energy when it
+/// rests where it first touched.
+pub fn rest_energy(name: &str, density: Real) -> Result<Measured, BenchError> {
+    Ok(settle(name, 9, density, 60)?[1])
+}
+
+/// The gap (m) at which a sheet comes to rest, and what it loses of its energy.
+fn settle(name: &str, n: u32, density: Real, rate: u32) -> Result<[Measured; 2], BenchError> {
     let scene = sheet(n, density, 0.0, MU, THICKNESS)?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let start = scene.start.positions.iter().map(|x| x.z).sum::<Real>();
-    let (_, end) = run::simulate(&scene, method, &settings, scene.dt, SETTLE)?;
+    let (dt, steps) = (1.0 / Real::from(rate), SETTLE * rate / 60);
+    let (summary, end) = run::simulate(&scene, method, &settings, dt, steps)?;
     let count = end.positions.len() as Real;
     let sunk = (start - end.positions.iter().map(|x| x.z).sum::<Real>()) / count;
-    Ok(Measured::new(gap(density, 0.0), THICKNESS - sunk))
+    Ok([
+        Measured::new(gap(density, 0.0), THICKNESS - sunk),
+        Measured::new(half_a_sinking(density), energy_lost(&scene, &summary)),
+    ])
+}
+
+/// The spring of contact has taken half of the work of gravity when a sheet rests.
+fn half_a_sinking(density: Real) -> Real {
+    0.5 * density * G / (KAPPA * THICKNESS)
 }
 
 struct Law {
@@ -136,7 +179,7 @@ struct Law {
     measure: fn(&str, Real) -> Result<Measured, BenchError>,
 }
 
-const LAWS: [Law; 9] = [
+const LAWS: [Law; 12] = [
     Law {
         name: "slide",
         title: "How far a sheet slides within 0.5 s down a slope, μ = 0.3",
@@ -172,6 +215,42 @@ const LAWS: [Law; 9] = [
         closed_form: |_| gap(HEAVY, 0.0),
         points: [&[3.0, 9.0], &[3.0, 5.0, 9.0, 17.0, 33.0]],
         measure: rest_at,
+    },
+    Law {
+        name: "gap-step",
+        title: "The same with every step",
+        x: "steps per second (1/s)",
+        y: "gap (m)",
+        exact: "h − ρ g/κ",
+        closed_form: |_| gap(HEAVY, 0.0),
+        points: [&[30.0], &[30.0, 60.0, 120.0, 240.0, 480.0]],
+        measure: rest_with,
+    },
+    Law {
+        name: "rest-energy",
+        title: "What a sheet has lost of its energy when it rests on the floor on which it was laid",
+        x: "areal density (kg/m²)",
+        y: "energy over weight times h (dimensionless)",
+        exact: "ρ g/(2 κ h)",
+        closed_form: half_a_sinking,
+        points: [&[20.0], &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0]],
+        measure: rest_energy,
+    },
+    Law {
+        name: "slide-energy",
+        title: "What a sheet loses of its energy within 0.5 s on a slope, μ = 0.3",
+        x: "slope (°)",
+        y: "energy over weight times h (dimensionless)",
+        exact: "μ cos α s/h",
+        closed_form: |degrees| {
+            let angle = degrees.to_radians();
+            0.125 * pull(angle, MU) * MU * angle.cos() / THICKNESS
+        },
+        points: [
+            &[20.0],
+            &[0.0, 10.0, 15.0, 18.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0],
+        ],
+        measure: slide_energy,
     },
     Law {
         name: "stack",
@@ -269,7 +348,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
     }
     study.data("contact-laws", &rows);
     study.note(format!(
-        "Largest distance from the closed forms, that of a slide in the method's own steps: {}.",
+        "Largest distance from the closed forms, those of a slide in the method's own steps: {}.",
         told.join("; ")
     ));
 }

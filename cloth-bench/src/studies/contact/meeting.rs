@@ -2,6 +2,7 @@
 
 use super::laws::{THICKNESS, methods};
 use crate::studies::prelude::*;
+use cloth_core::measure::angular_momentum;
 use std::path::Path;
 
 /// Two sheets that have met.
@@ -13,6 +14,9 @@ pub struct Met {
     /// Change of the linear momentum over that of one sheet (dimensionless).
     #[serde(rename = "drift of momentum")]
     pub drift: Number,
+    /// Change of the angular momentum about the origin over that of one sheet (dimensionless).
+    #[serde(rename = "drift of angular momentum")]
+    pub spin: Number,
 }
 
 /// Two sheets in free flight, each at half of a speed (m/s) towards the other, half a second after they could touch.
@@ -43,10 +47,14 @@ pub fn meet(name: &str, speed: Real) -> Result<Met, BenchError> {
     let before = momentum(&scene.start.velocities);
     let after = momentum(&end.velocities);
     let weights = [&mass[..lower], &mass[lower..]].map(|mass| mass.iter().sum::<Real>());
+    let spin = |state: &State| angular_momentum(&scene.model.particles, state);
+    let mut alone = scene.start.clone();
+    alone.velocities[lower..].fill(Vec3::zeros());
     let gained = after[0] + after[1] - before[0] - before[1];
     Ok(Met {
         parting: Number(after[1].z / weights[1] - after[0].z / weights[0]),
         drift: Number(gained.norm() / before[0].norm()),
+        spin: Number((spin(&end) - spin(&scene.start)).norm() / spin(&alone).norm()),
     })
 }
 

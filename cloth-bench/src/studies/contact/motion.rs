@@ -1,8 +1,10 @@
 //! The same motion in contact on every mesh and with every step, and what its error costs.
 
 use super::survival::scene_of;
+use crate::studies::cases::LazyCell;
 use crate::studies::meshes_and_steps::{MeshesAndSteps, OverConverged, Point};
 use crate::studies::prelude::*;
+use crate::studies::work_precision::distance;
 
 /// Time of the comparison (s): a sheet has wrapped the upper half of a sphere, and its corners swing; a strip has
 /// folded onto itself; sheets lie on each other; a sleeve hangs on an arm.
@@ -38,12 +40,14 @@ const FINEST: [(u32, u32); 2] = [(9, 240), (49, 480)];
 
 /// Cloth in contact at the end.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Ended {
+pub struct Ended {
     /// Of the centre of mass.
     #[serde(rename = "fall (m)")]
     fall: Number,
     /// None before there is a converged value.
     fall_over_converged: Option<Number>,
+    /// ‖x − x_ref‖_M/(√Σm · L), on the mesh that has a converged motion.
+    distance_from_converged: Option<Number>,
     /// Of an edge.
     largest_stretch: Number,
     /// Energy from nowhere.
@@ -52,23 +56,25 @@ struct Ended {
     ms_per_step: Number,
 }
 
-fn follow(scene: &str, name: &str, n: u32, rate: u32) -> Result<Ended, BenchError> {
-    let scene = scene_of(scene, n, "")?;
+/// Cloth at the end of its motion, and its positions (m).
+pub fn follow(scene: &Scene, name: &str, rate: u32) -> Result<(Ended, Vec<Vec3>), BenchError> {
     let steps = (SECONDS * Real::from(rate)).round() as u32;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let dt = 1.0 / Real::from(rate);
-    let (end, _) = run::simulate(&scene, method, &settings, dt, steps)?;
-    Ok(Ended {
+    let (end, state) = run::simulate(scene, method, &settings, dt, steps)?;
+    let ended = Ended {
         fall: Number(end.center_of_mass_drop),
         fall_over_converged: None,
+        distance_from_converged: None,
         largest_stretch: Number(end.max_stretch),
         excess_over_given_energy: Number(
             end.energy_excess / end.energy_given.max(Real::MIN_POSITIVE),
         ),
         crossing_pairs: end.intersections.unwrap_or(0) + end.obstacle_intersections.unwrap_or(0),
         ms_per_step: Number(end.ms_per_step_median),
-    })
+    };
+    Ok((ended, state.positions))
 }
 
 pub(super) fn run(study: &mut StudyRun<'_>) {
@@ -99,7 +105,41 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         Some(ranges),
         "figure-contact-drape-sphere-rate",
     );
+    let mut cheapest = Table::about(
+        "scene",
+        WANTED.map(|wanted| format!("to {}", percent(wanted))),
+    );
+    for scene in SCENES {
+        let points = rows.iter().filter(|(of, _)| *of == scene);
+        let points = points.filter_map(|(_, (point, row))| {
+            let (method, rate) = (point.method, point.steps_per_second);
+            let ms = row.ms_per_step.0 * SECONDS * Real::from(rate);
+            Some((
+                format!("{method}, 1/{rate} s"),
+                row.distance_from_converged?.0,
+                ms,
+            ))
+        });
+        let named = points.collect_vec();
+        let points = || {
+            named
+                .iter()
+                .map(|(label, error, ms)| (&**label, *error, *ms))
+        };
+        cheapest.line(scene, WANTED.map(|wanted| fastest_to(wanted, points())));
+    }
+    study.answer(
+        "What does an error of the motion in contact cost?",
+        format!(
+            "The fastest through {SECONDS} s that ends within a part of the size of the cloth of the converged motion, ‖x − x_ref‖_M/(√Σm · L):"
+        ),
+        Some(cheapest),
+        "figure-contact-drape-sphere-distance",
+    );
 }
+
+/// Distances from the converged motion (dimensionless) that are asked for.
+const WANTED: [Real; 3] = [3e-2, 1e-2, 3e-3];
 
 /// What a scene has shown: its runs, and their falls over the converged one.
 type Shown = (Vec<(Point, Ended)>, Vec<OverConverged>);
@@ -108,27 +148,31 @@ type Shown = (Vec<(Point, Ended)>, Vec<OverConverged>);
 fn of_scene(study: &mut StudyRun<'_>, scene: &'static str) -> Option<Shown> {
     let grid = meshes_and_steps(study.scope);
     let (finest_n, finest_rate) = study.scope.of(FINEST);
-    let mut converged = |n: u32| {
-        let case = format!("a converged {scene}, {n} × {n}");
-        let end = study.case(&case, || follow(scene, "bdf2", n, finest_rate))?;
-        Some(end.fall.0)
-    };
-    let of_size = converged(finest_n)?;
-    // Rates are compared on one mesh, with what converges there.
-    let of_step = match grid.middle == finest_n {
-        true => of_size,
-        false => converged(grid.middle)?,
+    let case = |n: u32| format!("a converged {scene}, {n} × {n}");
+    let follow_converged = |n| follow(&scene_of(scene, n, "")?, "bdf2", finest_rate);
+    // Steps are compared on one mesh, with what converges there.
+    let middle = grid.middle;
+    let mut converged = LazyCell::new(|| follow_converged(middle));
+    let of_step = study.case(&case(middle), || Ok(converged.get()?.0.fall))?.0;
+    let of_size = match middle == finest_n {
+        true => of_step,
+        false => {
+            study
+                .case(&case(finest_n), || Ok(follow_converged(finest_n)?.0.fall))?
+                .0
+        }
     };
     let mut rows = study.grid(
         grid.points(&methods()),
         |point| format!("{scene} by {point}"),
         |point| {
-            follow(
-                scene,
-                point.method,
-                point.vertices_a_side,
-                point.steps_per_second,
-            )
+            let sheet = scene_of(scene, point.vertices_a_side, "")?;
+            let (mut ended, end) = follow(&sheet, point.method, point.steps_per_second)?;
+            if point.vertices_a_side == middle {
+                let converged = &converged.get()?.1;
+                ended.distance_from_converged = Some(Number(distance(&sheet, &end, converged)));
+            }
+            Ok(ended)
         },
     );
     for (_, row) in &mut rows {
@@ -137,22 +181,37 @@ fn of_scene(study: &mut StudyRun<'_>, scene: &'static str) -> Option<Shown> {
     let over =
         |(point, row): &(Point, Ended)| (*point, [row.fall.0 / of_size, row.fall.0 / of_step]);
     let falls: Vec<OverConverged> = rows.iter().map(over).collect();
-    let work = curves(grid.by_step(&rows), |(point, row)| {
-        let seconds = 1e-3 * row.ms_per_step.0 * Real::from(point.steps_per_second);
-        (point.method, (seconds, (row.fall.0 / of_step - 1.0).abs()))
+    let seconds = |(point, row): &(Point, Ended)| {
+        1e-3 * row.ms_per_step.0 * Real::from(point.steps_per_second)
+    };
+    let work = curves(grid.by_step(&rows), |row| {
+        (
+            row.0.method,
+            (seconds(row), (row.1.fall.0 / of_step - 1.0).abs()),
+        )
+    });
+    let distances = grid.by_step(&rows).into_iter();
+    let distances = distances.filter_map(|row| Some((row, row.1.distance_from_converged?.0)));
+    let away = curves(distances, |(row, distance)| {
+        (row.0.method, (seconds(row), distance))
     });
     let fall = Axis::linear("fall over converged (dimensionless)");
     let by_size = format!("The fall of {scene}, steps of 1/60 s");
     let by_step = format!("The same of {scene} on one mesh");
-    let cost = Plot::new(
-        format!("What the error of the fall costs, {scene}, steps of 1/30 s and finer"),
-        Axis::log("time per simulated second (s)"),
-        Axis::log("|fall over converged − 1| (dimensionless)"),
-    );
+    let cost = |of: &str, error: &str| {
+        Plot::new(
+            format!("What the error of {of} costs, {scene}, steps of 1/30 s and finer"),
+            Axis::log("time per simulated second (s)"),
+            Axis::log(&format!("{error} (dimensionless)")),
+        )
+    };
+    let off = cost("the fall", "|fall over converged − 1|");
+    let distance = cost("the motion", "‖x − x_ref‖_M/(√Σm · L)");
     for (name, plot) in [
         ("size", grid.plot_by_size(&by_size, fall.clone(), &falls)),
         ("rate", grid.plot_by_step(&by_step, fall, &falls)),
-        ("work", cost.with(work)),
+        ("work", off.with(work)),
+        ("distance", distance.with(away)),
     ] {
         let plot = plot.note("Converged is BDF2 with the shortest step.");
         let name = format!("contact-{scene}-{name}");

@@ -1,17 +1,22 @@
 //! One step of implicit Euler in contact as a problem with a known answer, and how far each method is from it.
 
 use super::survival::scene_of;
+use crate::run::median;
 use crate::studies::cases::LazyCell;
+use crate::studies::convergence::variants::{cut, iterated};
 use crate::studies::prelude::*;
+use crate::yardstick::Recorder;
 use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::method::family::Energies;
-use std::time::Instant;
 
 /// Tolerance of the reference.
 const EXACT: Real = 1e-10;
 /// A reference has at most this gradient, relative to that at the start of the step.
 const MOST_GRADIENT: Real = 1e-6;
+/// Runs whose times have a median, and the time (s) after which there are no more of them.
+const RUNS: usize = 3;
+const LONG: Real = 1.0;
 /// Scenes, and the steps of each before the one that is looked at: a sheet lies on a sphere with its middle, and its
 /// sides still fall; a strip folds onto itself; sheets land on each other; a tube buckles on a floor.
 pub const MOMENTS: [(&str, u32); 4] = [
@@ -43,18 +48,28 @@ pub struct ContactProblem {
     start: [Real; 2],
 }
 
-/// How far from the minimiser a step has ended, and what it took.
+/// Where a step has come to.
+#[derive(Clone, Debug)]
+struct Place {
+    iterations: u32,
+    seconds: Real,
+    positions: Vec<Vec3>,
+}
+
+/// How far from the minimiser a step is, or has ended, and what it took until then.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reached {
     /// ‖x − x*‖_M/‖x̃ − x*‖_M (dimensionless): 1 at the inertial prediction, which has gone into the sphere.
+    #[serde(rename = "position error")]
     pub position: Number,
     /// (G − G*)/(G(xₙ) − G*) (dimensionless): 1 where the step starts; none if the straight path there is not free of
     /// crossings.
-    pub(super) objective: Option<Number>,
-    /// Seconds of the step.
-    pub(super) seconds: Number,
-    /// Its iterations, over all substeps.
-    pub(super) iterations: u32,
+    #[serde(rename = "objective error")]
+    objective: Option<Number>,
+    /// Time until then.
+    ms: Number,
+    /// Iterations until then, over all substeps.
+    pub iterations: u32,
 }
 
 impl ContactProblem {
@@ -83,7 +98,7 @@ impl ContactProblem {
             start: [1.0; 2],
         };
         let exact = Settings::of(&format!("tolerance={EXACT} iterations=200000"));
-        problem.minimiser = problem.take(implicit, &exact)?.0;
+        problem.minimiser = problem.end(implicit, &exact)?.positions;
         let not_free = || BenchError::Failed("the reference goes through something".into());
         let (minimum, gradient) = problem
             .objective(&problem.minimiser)?
@@ -102,34 +117,79 @@ impl ContactProblem {
         Ok(problem)
     }
 
-    /// Where a method takes the step from the state, its report's iterations, and seconds.
+    /// Where a method comes to, on the way if it is watched, and at the end. Times are medians.
     fn take(
         &self,
         method: &Method,
         settings: &Settings,
-    ) -> Result<(Vec<Vec3>, u32, Real), BenchError> {
-        let scene = &self.scene;
-        let mut solver = method.build(scene, settings, scene.dt)?;
-        // Once to warm up: memory, and what is factorised once. The second step has the same start.
-        let mut taken = (Vec::new(), 0, Real::INFINITY);
-        for _ in 0..2 {
-            let mut contacts = scene.contacts()?;
-            let mut state = self.state.clone();
-            let parts = solver.preferred_substeps();
-            let mut iterations = 0;
-            let started = Instant::now();
-            for _ in 0..parts {
-                let dt = scene.dt / Real::from(parts);
-                let mut input = StepInput::new(dt).gravity(scene.gravity);
-                if let Some(contacts) = &mut contacts {
-                    input = input.contacts(contacts);
-                }
-                iterations += solver.step(&mut state, input)?.iterations;
-            }
-            let seconds = started.elapsed().as_secs_f64();
-            taken = (state.positions, iterations, seconds);
+        is_watched: bool,
+    ) -> Result<Vec<Place>, BenchError> {
+        let mut solver = method.build(&self.scene, settings, self.scene.dt)?;
+        // Once to warm up: memory, and what is factorised once. Every run has the same start.
+        let mut places = self.once(&mut *solver, is_watched)?;
+        let (mut runs, mut spent) = (Vec::new(), 0.0);
+        while runs.len() < RUNS && spent < LONG {
+            places = self.once(&mut *solver, is_watched)?;
+            spent += places.last().map_or(LONG, |end| end.seconds);
+            runs.push(places.iter().map(|place| place.seconds).collect_vec());
         }
-        Ok(taken)
+        for (number, place) in places.iter_mut().enumerate() {
+            let times = runs.iter().filter_map(|run| run.get(number).copied());
+            place.seconds = median(&mut times.collect_vec());
+        }
+        Ok(places)
+    }
+
+    /// The step once: about twenty places per decade of iterations, those that first have the errors of [`WANTED`], and
+    /// the end.
+    fn once(&self, solver: &mut dyn Stepper, is_watched: bool) -> Result<Vec<Place>, BenchError> {
+        let mut contacts = self.scene.contacts()?;
+        let mut state = self.state.clone();
+        let parts = solver.preferred_substeps();
+        let (mut places, mut iterations) = (Vec::new(), 0);
+        let (mut next, mut wanted) = (0.0, WANTED.into_iter().peekable());
+        let mut recorder = Recorder::new(|iterations, seconds, x: &[Vec3]| {
+            let mut keep = Real::from(iterations) >= next;
+            let error = self.position_error(x);
+            while wanted.next_if(|wanted| error <= *wanted).is_some() {
+                keep = true;
+            }
+            if keep {
+                next = 1.12 * Real::from(iterations);
+                let positions = x.to_vec();
+                places.push(Place {
+                    iterations,
+                    seconds,
+                    positions,
+                });
+            }
+        });
+        for _ in 0..parts {
+            let dt = self.scene.dt / Real::from(parts);
+            let mut input = StepInput::new(dt).gravity(self.scene.gravity);
+            if let Some(contacts) = &mut contacts {
+                input = input.contacts(contacts);
+            }
+            if is_watched {
+                input = input.observer(&mut recorder);
+            }
+            iterations += solver.step(&mut state, input)?.iterations;
+        }
+        let seconds = recorder.seconds();
+        places.push(Place {
+            iterations,
+            seconds,
+            positions: state.positions,
+        });
+        Ok(places)
+    }
+
+    /// Where a method ends the step.
+    fn end(&self, method: &Method, settings: &Settings) -> Result<Place, BenchError> {
+        let nowhere = || BenchError::Failed("the step has no end".into());
+        self.take(method, settings, false)?
+            .pop()
+            .ok_or_else(nowhere)
     }
 
     /// G (J) and ‖∇G‖ (N/√kg) at a place that the step may end at, contact included; none if the straight path there
@@ -163,15 +223,29 @@ impl ContactProblem {
 
     /// What a method makes of the step.
     pub fn reached(&self, method: &Method, settings: &Settings) -> Result<Reached, BenchError> {
-        let (x, iterations, seconds) = self.take(method, settings)?;
-        let objective = self.objective(&x)?;
+        self.error(&self.end(method, settings)?)
+    }
+
+    /// What it makes of it iteration by iteration, and in the end.
+    pub fn trace(&self, method: &Method, settings: &Settings) -> Result<Vec<Reached>, BenchError> {
+        let places = self.take(method, settings, true)?;
+        places.iter().map(|place| self.error(place)).collect()
+    }
+
+    fn error(&self, place: &Place) -> Result<Reached, BenchError> {
+        let objective = self.objective(&place.positions)?;
         let away = |(value, _): (Real, Real)| Number((value - self.minimum) / self.start[0]);
         Ok(Reached {
-            position: Number(self.distance(&x) / self.distance(&self.predicted)),
+            position: Number(self.position_error(&place.positions)),
             objective: objective.map(away),
-            seconds: Number(seconds),
-            iterations,
+            ms: Number(1e3 * place.seconds),
+            iterations: place.iterations,
         })
+    }
+
+    /// ‖x − x*‖_M/‖x̃ − x*‖_M (dimensionless).
+    fn position_error(&self, x: &[Vec3]) -> Real {
+        self.distance(x) / self.distance(&self.predicted)
     }
 
     /// ‖x − x*‖_M (√kg m).
@@ -185,170 +259,149 @@ impl ContactProblem {
     }
 }
 
-/// Methods with a setting that is made finer and finer: what is not its default beside it, its key, and its values.
-pub fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
-    let counts = (0..scope.pick(5, 8)).map(|i| (5 << i).to_string());
-    let counts: Vec<String> = counts.collect();
-    let tolerances = ["1", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6"].map(str::to_owned);
-    let variants = Variant::list(
-        "implicit-euler, by tolerance
-        pd, by iterations: iterations=5
-        xpbd, by iterations: substeps=1
-        xpbd, by substeps: iterations=1
-        pbd, by substeps: iterations=1",
-    );
-    let keys = [
-        "tolerance",
-        "iterations",
-        "iterations",
-        "substeps",
-        "substeps",
-    ];
-    let values = |key| match key {
-        "tolerance" => tolerances.to_vec(),
-        _ => counts.clone(),
-    };
-    let own = iterating_own().map(|own| {
-        let mut variant = Variant::uncut(own);
-        variant.label.push_str(", by iterations");
-        (variant, "iterations")
+/// What iterates without contact, but is no other way with it, or leads elsewhere: Newton's matrix has no place for
+/// contact, PD has neither Chebyshev nor a coarse grid, XPBD as one system takes it at the end of a substep, and rigid
+/// projections do not look at k.
+const NOT_IN_CONTACT: [&str; 8] = [
+    "implicit-euler, Newton",
+    "pd, Chebyshev",
+    "pd, Chebyshev, ρ given",
+    "pd, no coarse grid",
+    "xpbd-direct",
+    "pbd, rigid",
+    "pbd, Chebyshev",
+    "pbd, coarse levels",
+];
+
+/// What is measured after every iteration.
+pub fn traced(scope: Scope) -> Vec<Variant> {
+    let mut variants = iterated(scope);
+    variants.retain(|variant| !NOT_IN_CONTACT.contains(&variant.label.as_str()));
+    variants
+}
+
+/// What is measured, and what is set of it: by default, after every one of its iterations, or with substeps.
+fn ways(scope: Scope) -> impl Iterator<Item = (Variant, String)> {
+    // What grows until it is torn to pieces keeps the last resort of contact busy for minutes.
+    let usable = |method: &&Method| method.aims_at_implicit_euler() && !method.is_never_stable();
+    let by_default = method::all().filter(usable).map(Variant::default_of);
+    let by_default = by_default.map(|variant| (variant, DEFAULT.to_owned()));
+    let by_iterations = traced(scope).into_iter();
+    let by_iterations = by_iterations.map(|variant| (variant, ITERATIONS.to_owned()));
+    let by_substeps = cut(scope).into_iter().map(|(method, parts)| {
+        let (label, setting) = (format!("{method}, substeps"), format!("substeps={parts}"));
+        let settings = Settings::of(&format!("{setting} iterations=1"));
+        (Variant { label, settings }, setting)
     });
-    let all = variants.into_iter().zip(keys).chain(own);
-    all.map(|(variant, key)| (variant, key, values(key)))
-        .collect()
+    by_default.chain(by_iterations).chain(by_substeps)
 }
 
-/// A step by a method.
-#[derive(Clone, Default, Serialize)]
-struct Row {
-    scene: &'static str,
-    n: u32,
-    method: String,
-    setting: String,
-    iterations: u32,
-    ms: Real,
-    position_error: Real,
-    objective_error: Option<Real>,
-}
+const DEFAULT: &str = "default";
+const ITERATIONS: &str = "iterations";
 
-/// A method, what is set of it, and the setting in words.
-type Way = (Variant, String);
-
-/// Every method at its default. What grows until it is torn to pieces keeps the last resort of contact busy for
-/// minutes.
-fn by_default() -> Vec<Way> {
-    method::all()
-        .filter(|method| method.aims_at_implicit_euler() && !method.is_never_stable())
-        .map(|method| (Variant::default_of(method), "default".to_owned()))
-        .collect()
-}
-
-/// Those of [`refined`], value by value.
-fn finer(scope: Scope) -> Vec<Way> {
-    let of_value = |(variant, key, values): (Variant, &'static str, Vec<String>)| {
-        values.into_iter().map(move |value| {
-            let mut variant = variant.clone();
-            variant.settings = variant.settings.with(key, &value);
-            (variant, format!("{key}={value}"))
-        })
-    };
-    refined(scope).into_iter().flat_map(of_value).collect()
-}
-
-/// Steps of a scene with `n` vertices a side.
-fn steps(
-    study: &mut StudyRun<'_>,
-    (scene, n): (&'static str, u32),
-    problem: &mut LazyCell<ContactProblem, impl FnMut() -> Result<ContactProblem, BenchError>>,
-    ways: Vec<Way>,
-) -> Vec<Row> {
-    let found = study.grid(
-        ways,
-        |(variant, setting)| {
-            format!(
-                "a step of {scene} by {}, {setting}, {n} × {n}",
-                variant.label
-            )
-        },
-        |(variant, _)| {
-            let method = Method::find(variant.method())?;
-            problem.get()?.reached(method, &variant.settings)
-        },
-    );
-    let row = |((variant, setting), reached): (Way, Reached)| Row {
-        scene,
-        n,
-        method: variant.label,
-        setting,
-        iterations: reached.iterations,
-        ms: 1e3 * reached.seconds.0,
-        position_error: reached.position.0,
-        objective_error: reached.objective.map(|error| error.0),
-    };
-    found.into_iter().map(row).collect()
-}
+/// Scene, vertices a side, method, and what is set of it.
+type At = (&'static str, u32, String, String);
 
 pub(super) fn run(study: &mut StudyRun<'_>) {
-    let (mut defaults, mut samples) = (Vec::new(), Vec::new());
+    let (mut rows, mut counts): (Vec<(At, Reached)>, Vec<_>) = Default::default();
     let columns = WANTED.map(|wanted| format!("to {}", percent(wanted)));
-    let mut told = Table::about("scene, vertices", columns);
-    for (scene, steps_before) in MOMENTS {
-        for &n in sides(study.scope, scene) {
-            let mut problem = LazyCell::new(|| ContactProblem::new(scene, n, steps_before));
-            let at = (scene, n);
-            let by_default = steps(study, at, &mut problem, by_default());
-            let finer = steps(study, at, &mut problem, finer(study.scope));
-            plot(study, at, &finer);
-            let all = || by_default.iter().chain(&finer);
-            let reached = || all().map(|row| (&*row.method, row.position_error, row.ms));
-            let fastest = WANTED.map(|wanted| fastest_to(wanted, reached()));
-            told.line(Cell::said(format!("{scene}, {n} × {n}")), fastest);
-            defaults.extend(by_default);
-            samples.extend(finer);
+    let mut told = Table::about("scene, vertices", columns.clone());
+    let scope = study.scope;
+    let sizes = |(scene, steps)| iproduct!([scene], sides(scope, scene), [steps]);
+    for (scene, &n, steps_before) in MOMENTS.into_iter().flat_map(sizes) {
+        let mut problem = LazyCell::new(|| ContactProblem::new(scene, n, steps_before));
+        let found = study.grid(
+            ways(scope),
+            |(variant, setting)| {
+                format!("a step of {scene}, {n} × {n}, {}, {setting}", variant.label)
+            },
+            |(variant, setting)| {
+                let (problem, settings) = (problem.get()?, &variant.settings);
+                let method = Method::find(variant.method())?;
+                match &**setting {
+                    ITERATIONS => problem.trace(method, settings),
+                    _ => Ok(vec![problem.reached(method, settings)?]),
+                }
+            },
+        );
+        let mut ours = Vec::new();
+        for ((Variant { label, .. }, setting), reached) in found {
+            if setting == ITERATIONS {
+                let first = |wanted| reached.iter().find(|at| at.position.0 <= wanted);
+                let taken = WANTED.map(|wanted| Some(first(wanted)?.iterations));
+                counts.push(((scene, n, label.clone()), taken));
+            }
+            let at = |reached| ((scene, n, label.clone(), setting.clone()), reached);
+            ours.extend(reached.into_iter().map(at));
         }
+        plot(study, (scene, n), &ours);
+        let reached = ours
+            .iter()
+            .map(|((_, _, label, _), at)| (&**label, at.position.0, at.ms.0));
+        let fastest = WANTED.map(|wanted| fastest_to(wanted, reached.clone()));
+        told.line(Cell::said(format!("{scene}, {n} × {n}")), fastest);
+        rows.extend(ours);
     }
+    let named = ["scene", "n", "method"].map(str::to_owned);
+    let columns = [&named[..], &columns.map(|to| format!("iterations {to}"))].concat();
+    let (defaults, samples): (Vec<_>, Vec<_>) =
+        rows.into_iter().partition(|(at, _)| at.3 == DEFAULT);
+    let of_step = |rows: &[(At, Reached)]| Table::named(&["scene", "n", "method", "setting"], rows);
     study.table(
         "contact-step",
         "One step in contact, every method at its default (but forward Euler, which is not stable at any)",
-        &defaults,
+        of_step(&defaults),
     );
-    study.data("contact-step-samples", &samples);
+    study.table(
+        "contact-step-iterations",
+        "How many iterations each way takes to a distance from the implicit Euler step, over that of the inertial prediction",
+        Table::named(&columns, &counts),
+    );
+    study.data("contact-step-samples", of_step(&samples));
     let first = MOMENTS[0].0;
-    let sides = sides(study.scope, first);
+    let sides = sides(scope, first);
     study.answer(
         "Which method at which error in contact?",
         "The fastest to a step of implicit Euler; the error is the distance from its end, over that of the inertial prediction.".into(),
         Some(told),
-        &format!("figure-contact-step-{first}-position-{}", sides[0]),
+        &format!("figure-contact-step-{first}-position-time-{}", sides[0]),
     );
 }
 
-/// How far methods are from the end of the step, and from its minimum, against time.
-fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[Row]) {
-    let position = rows.iter().map(|row| (row, row.position_error));
-    let objective = rows
-        .iter()
-        .filter_map(|row| Some((row, row.objective_error?.max(Real::EPSILON))));
-    let of = |(row, error): (&Row, Real)| (row.method.clone(), (row.ms, error));
-    for (name, title, error, series) in [
+/// How far methods are from the end of the step, and from its minimum, against iterations and time.
+fn plot(study: &mut StudyRun<'_>, (scene, n): (&str, u32), rows: &[(At, Reached)]) {
+    type Of<T> = fn(&Reached) -> T;
+    let position: Of<Option<Real>> = |at| Some(at.position.0);
+    let objective: Of<_> = |at| Some(at.objective?.0.max(Real::EPSILON));
+    let (iterations, time): (Of<_>, Of<_>) = (|at| Real::from(at.iterations), |at| at.ms.0);
+    let errors = [
         (
             "position",
             "Distance from the implicit Euler step",
             "‖x − x*‖_M/‖x̃ − x*‖_M",
-            curves(position, of),
+            position,
         ),
         (
             "objective",
             "Objective with contact and friction",
             "(G − G*)/(G(xₙ) − G*)",
-            curves(objective, of),
+            objective,
         ),
-    ] {
-        let title = format!("{title}, {scene}, {n} × {n} vertices");
-        let error = Axis::log(&format!("{error} (dimensionless)"));
-        let plot = Plot::new(title, Axis::log("time of the step (ms)"), error).with(series);
-        let name = format!("contact-step-{scene}-{name}-{n}");
-        study.plot(&name, &plot);
+    ];
+    let efforts = [
+        ("iterations", "iterations (dimensionless)", iterations),
+        ("time", "time of the step (ms)", time),
+    ];
+    for ((name, title, y, error), (against, x, effort)) in iproduct!(errors, efforts) {
+        let rows = rows.iter().filter(|(at, _)| at.3 != DEFAULT);
+        let rows = rows.filter_map(|(at, reached)| Some((&at.2, effort(reached), error(reached)?)));
+        let series = curves(rows, |(label, effort, error)| {
+            (label.clone(), (effort, error))
+        });
+        let title = format!("{title} against {against}, {scene}, {n} × {n} vertices");
+        let y = Axis::log(&format!("{y} (dimensionless)"));
+        let plot = Plot::new(title, Axis::log(x), y).with(series);
+        study.plot(&format!("contact-step-{scene}-{name}-{against}-{n}"), &plot);
     }
 }
 

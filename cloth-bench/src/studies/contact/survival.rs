@@ -2,6 +2,7 @@
 
 use crate::run::{Plan, SeparationWatch, Solver};
 use crate::studies::prelude::*;
+use crate::studies::stability::map::runs;
 use crate::studies::{capitalised, collision, scale};
 use cloth_core::random::SplitMix64;
 use std::path::Path;
@@ -39,11 +40,17 @@ fn through(x: Vec3) -> Vec3 {
     )
 }
 
-/// Vertices a side, sizes of steps (s), and runs of each.
-fn size(scope: Scope) -> (u32, &'static [Real], u64) {
+/// Vertices a side, sizes of steps (s), and stiffnesses (N/m) of the map.
+fn size(scope: Scope) -> (u32, &'static [Real], &'static [Real]) {
     const STEPS: [Real; 4] = [1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 15.0];
-    scope.pick((5, &STEPS[1..3], 1), (17, &STEPS, 3))
+    scope.pick(
+        (5, &STEPS[1..3], &[1e2, 1e6]),
+        (17, &STEPS, &[1.0, 1e2, 1e4, 1e6, 1e8]),
+    )
 }
+
+/// Vertices a side of the map.
+const OF_MAP: [u32; 2] = [5, 9];
 
 /// A scene of contact by its name, with so many vertices a side and with settings of its start.
 pub fn scene_of(name: &str, n: u32, starts: &str) -> Result<Scene, BenchError> {
@@ -132,6 +139,13 @@ impl Fate {
     }
 }
 
+fn jitter(state: &mut State, seed: u64) {
+    let mut random = SplitMix64::new(seed);
+    for v in &mut state.velocities {
+        *v = Vec3::from_fn(|_, _| JITTER * random.symmetric());
+    }
+}
+
 /// A run of a method, and what the cloth held of what it was given (dimensionless) after every step.
 pub fn follow(
     scene: &Scene,
@@ -142,10 +156,7 @@ pub fn follow(
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let mut state = scene.start.clone();
-    let mut random = SplitMix64::new(seed);
-    for v in &mut state.velocities {
-        *v = Vec3::from_fn(|_, _| JITTER * random.symmetric());
-    }
+    jitter(&mut state, seed);
     let mut watch = SeparationWatch::new(scene)?;
     let steps = (SECONDS / dt).round() as u32;
     let mut solver = Solver::new(method, &settings, scene, dt)?;
@@ -186,19 +197,26 @@ pub fn follow(
     Ok((fate, energies.into_iter().map(share).collect()))
 }
 
-/// The table of all scenes, methods and steps, and the energy over time.
-pub(super) fn run(study: &mut StudyRun<'_>) {
-    let (n, steps, runs) = size(study.scope);
-    let found = study.grid_side_by_side(
-        iproduct!(SCENES, methods(study.scope)),
-        |(scene, method)| format!("{scene} by {method}, steps of every size"),
-        |&(scene, method)| {
-            let scene = scene_of(scene, n, "")?;
-            // One run of the direct solver takes as long as ten of most others.
-            let runs = if method == "xpbd-direct" { 1 } else { runs };
+/// A scene with springs of so many N/m, or with its own, by a method: the worst of all runs with every step.
+type Case = (&'static str, Option<Real>, &'static str);
+
+fn fates(study: &mut StudyRun<'_>, n: u32, cases: Vec<Case>) -> Vec<(Case, Fates)> {
+    let scope = study.scope;
+    let steps = size(scope).1;
+    study.grid_side_by_side(
+        cases,
+        |(scene, stiffness, method)| match stiffness {
+            Some(stiffness) => {
+                format!("{scene} of {stiffness} N/m by {method}, steps of every size")
+            }
+            None => format!("{scene} by {method}, steps of every size"),
+        },
+        |&(scene, stiffness, method)| {
+            let stiffness = stiffness.map(|stiffness| format!("stiffness={stiffness}"));
+            let scene = scene_of(scene, n, &stiffness.unwrap_or_default())?;
             let of_step = |&dt: &Real| {
                 let mut worst = follow(&scene, method, dt, 1)?;
-                for seed in 2..=runs {
+                for seed in 2..=runs(scope, method) {
                     let (fate, _) = follow(&scene, method, dt, seed)?;
                     if fate > worst.0 {
                         worst.0 = fate;
@@ -208,10 +226,18 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             };
             steps.iter().map(of_step).try_collect::<_, Vec<_>, _>()
         },
-    );
+    )
+}
+
+/// The table of all scenes, methods and steps, and the energy over time.
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let (n, steps, stiffnesses) = size(study.scope);
+    let cases = iproduct!(SCENES, [None], methods(study.scope)).collect();
+    let found = fates(study, n, cases);
     let columns = steps.iter().map(|dt| format!("Δt 1/{:.0} s", 1.0 / dt));
-    let mut table = Table::about("scene", ["method".into()].into_iter().chain(columns));
-    for ((scene, method), fates) in &found {
+    let columns = ["method".into()].into_iter().chain(columns).collect_vec();
+    let mut table = Table::about("scene", columns.clone());
+    for ((scene, _, method), fates) in &found {
         let words = fates.iter().map(|(fate, _)| fate.word().into());
         table.line(*scene, [Cell::from(*method)].into_iter().chain(words));
         for ((fate, _), dt) in fates.iter().zip(steps) {
@@ -221,15 +247,46 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         }
     }
     let caption = format!(
-        "Contact with steps of every size, {n} vertices a side, {SECONDS} s, the worst of {runs} runs"
+        "Contact with steps of every size, {n} vertices a side, {SECONDS} s, the worst of {} runs",
+        runs(study.scope, "")
     );
     study.table("contact-steps", &caption, table);
+    let of_map = study.scope.of(OF_MAP);
+    let stiff = stiffnesses.iter().map(|&stiffness| Some(stiffness));
+    let cases = iproduct!([SCENES[0]], stiff, methods(study.scope)).collect();
+    let mut map = Table::about("stiffness (N/m)", columns);
+    let mut through = Vec::new();
+    for ((_, stiffness, method), fates) in fates(study, of_map, cases) {
+        let words = fates.iter().map(|(fate, _)| fate.word().into());
+        map.line(
+            stiffness.unwrap_or_default(),
+            [Cell::from(method)].into_iter().chain(words),
+        );
+        through.push((
+            method,
+            fates.iter().filter(|(fate, _)| *fate == Fate::Ok).count(),
+        ));
+    }
+    let caption = format!(
+        "Step size and stiffness in contact: {}, {of_map} vertices a side",
+        SCENES[0]
+    );
+    study.table("contact-stiffness", &caption, map);
+    let through = through.into_iter().into_grouping_map().sum();
+    let sheets = steps.len() * stiffnesses.len();
+    let told = methods(study.scope)
+        .filter_map(|method| Some(format!("{method} {}", through.get(method)?)));
+    let told = format!(
+        "{caption}, of {sheets} sheets ok: {}.",
+        told.collect_vec().join(", ")
+    );
+    study.note(told);
     for scene in SCENES {
         // Steps of 1/60 s.
         let place = steps.iter().position(|dt| *dt == 1.0 / 60.0);
         let place = place.unwrap_or_default();
-        let of_scene = found.iter().filter(|((of, _), _)| *of == scene);
-        let curves = of_scene.map(|((_, method), fates)| {
+        let of_scene = found.iter().filter(|((of, ..), _)| *of == scene);
+        let curves = of_scene.map(|((.., method), fates)| {
             let shares = fates.get(place).map_or(&[][..], |(_, shares)| shares);
             let points = (1..).zip(shares);
             let points = points.map(|(step, share)| (Real::from(step) * steps[place], share.0));
@@ -251,7 +308,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
 type Fates = Vec<(Fate, Vec<Number>)>;
 
 /// Which method comes through all scenes with which step.
-fn answer(steps: &[Real], found: &[((&str, &str), Fates)], study: &mut StudyRun<'_>) {
+fn answer(steps: &[Real], found: &[(Case, Fates)], study: &mut StudyRun<'_>) {
     let names = steps.iter().map(|dt| format!("1/{:.0} s", 1.0 / dt));
     let mut table = Table::about("method", names);
     let thirtieth = steps.iter().position(|dt| *dt == 1.0 / 30.0);
@@ -259,7 +316,7 @@ fn answer(steps: &[Real], found: &[((&str, &str), Fates)], study: &mut StudyRun<
     let (mut survives, mut others) = (Vec::new(), Vec::new());
     for method in methods(study.scope) {
         let ok = |step: usize| {
-            let of_method = found.iter().filter(|((_, by), _)| *by == method);
+            let of_method = found.iter().filter(|((.., by), _)| *by == method);
             let fates = of_method.filter_map(|(_, fates)| Some(&fates.get(step)?.0));
             fates.filter(|fate| **fate == Fate::Ok).count()
         };
@@ -302,9 +359,21 @@ pub struct Recovered {
     largest_stretch: Number,
 }
 
+impl Recovered {
+    fn is_free(&self) -> bool {
+        self.steps_until_free.is_some() && self.crossings_afterwards == 0
+    }
+}
+
 /// A run from a start that passes through itself.
-pub fn recover(scene: &str, method: &str, n: u32, steps: u32) -> Result<Recovered, BenchError> {
-    let scene = tangled(scene, n)?;
+pub fn recover(
+    scene: &str,
+    method: &str,
+    (n, steps): (u32, u32),
+    seed: u64,
+) -> Result<Recovered, BenchError> {
+    let mut scene = tangled(scene, n)?;
+    jitter(&mut scene.start, seed);
     let method = Method::find(method)?;
     let settings = method.by_default(Settings::default());
     let mut probe = scene.separation_probe();
@@ -330,28 +399,37 @@ pub fn recover(scene: &str, method: &str, n: u32, steps: u32) -> Result<Recovere
 
 /// Cloth that passes through itself at the start.
 fn recovery(study: &mut StudyRun<'_>) {
-    let (n, steps) = study.scope.pick((9, 40), (17, 120));
-    let methods = || methods(study.scope).filter(|method| *method != LEFT_OUT);
+    let scope = study.scope;
+    let size = scope.pick((9, 40), (17, 120));
+    let methods = || methods(scope).filter(|method| *method != LEFT_OUT);
     let (tried, of_methods) = (methods().collect_vec(), methods().collect_vec());
     let rows = study.grid_side_by_side(
         iproduct!(TANGLED, tried),
         |(scene, method)| format!("{scene} by {method}, from a start that passes through itself"),
-        |(scene, method)| recover(scene, method, n, steps),
+        |(scene, method)| {
+            let seeds = 1..=runs(scope, method);
+            let runs = seeds.map(|seed| recover(scene, method, size, seed));
+            let runs: Vec<Recovered> = runs.try_collect()?;
+            let free = runs.iter().filter(|run| run.is_free()).count();
+            let told = format!("{free} of {}", runs.len());
+            let is_slow = |run: &Recovered| (!run.is_free(), run.steps_until_free);
+            let slowest = runs.into_iter().max_by_key(is_slow);
+            Ok((told, slowest.unwrap_or_default()))
+        },
     );
     let caption = format!(
-        "Starts that pass through themselves, {n} vertices a side, {steps} steps of 1/60 s"
+        "Starts that pass through themselves, {} vertices a side, {} steps of 1/60 s: how many runs are pulled apart for good, and the slowest",
+        size.0, size.1
     );
-    let table = Table::named(&["scene", "method"], &rows);
+    let table = Table::named(&["scene", "method", "recovered"], &rows);
     study.table("contact-recovery", &caption, table);
     let mut told = of_methods.into_iter().map(|method| {
         let of_method = || rows.iter().filter(|((_, by), _)| *by == method);
-        let free = of_method().filter(|(_, found)| {
-            found.steps_until_free.is_some() && found.crossings_afterwards == 0
-        });
+        let free = of_method().filter(|(_, (_, slowest))| slowest.is_free());
         format!("{method} {} of {}", free.count(), of_method().count())
     });
     let told = told.join(", ");
     study.note(format!(
-        "Pulled apart, and nothing crosses afterwards: {told}."
+        "Pulled apart in every run, and nothing crosses afterwards: {told}."
     ));
 }

@@ -30,7 +30,7 @@ pub fn iterated(scope: Scope) -> Vec<Variant> {
 }
 
 /// Methods that cut the step, and into how many parts.
-pub(super) fn cut(scope: Scope) -> Vec<(&'static str, u32)> {
+pub fn cut(scope: Scope) -> Vec<(&'static str, u32)> {
     let parts = |method| (0..scope.pick(6, 9)).map(move |i| (method, 1 << i));
     parts("xpbd").chain(parts("pbd")).collect()
 }

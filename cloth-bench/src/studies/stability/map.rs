@@ -15,7 +15,7 @@ const STEP: Real = 1.0 / 60.0;
 const JITTER: Real = 1e-2;
 
 /// Runs of every cell. One of the direct solver takes as long as ten of most others.
-pub(super) fn runs(scope: Scope, method: &str) -> u64 {
+pub(crate) fn runs(scope: Scope, method: &str) -> u64 {
     match (scope, method) {
         (Scope::Quick, _) => 1,
         (Scope::Full, "xpbd-direct") => 3,

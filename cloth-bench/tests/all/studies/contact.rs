@@ -3,5 +3,6 @@
 mod cylinder;
 mod laws;
 mod meeting;
+mod motion;
 mod step;
 mod survival;

@@ -14,8 +14,17 @@ fn sheets_that_meet_in_free_flight_keep_their_momentum() {
         };
         for &speed in speeds {
             let met = meet(name, speed).unwrap();
-            let (parting, drift) = (met.parting.0, met.drift.0);
+            let (parting, drift, spin) = (met.parting.0, met.drift.0, met.spin.0);
             assert!(drift < 1e-10, "{name}, {speed} m/s: {drift:e}");
+            // Forces of contact act along the lines between points, as those of springs do: what changes the angular
+            // momentum is the integrator, which takes them where the points are not.
+            let most = match name {
+                "symplectic-euler" => 1e-11,
+                "implicit-midpoint" => 2e-4,
+                "pd" => 2e-3,
+                _ => 1e-4,
+            };
+            assert!(spin < most, "{name}, {speed} m/s: {spin:e}");
             assert!(
                 (-0.005 * speed..0.49 * speed).contains(&parting),
                 "{name}, {speed} m/s: {parting}"

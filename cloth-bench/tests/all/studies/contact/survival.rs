@@ -21,7 +21,7 @@ fn implicit_euler_comes_through_contact_and_the_midpoint_rule_does_not() {
 fn sheets_that_pass_through_each_other_are_pulled_apart_for_good() {
     for method in ["implicit-euler", "xpbd"] {
         for scene in ["fold", "stack"] {
-            let found = recover(scene, method, 9, 40).unwrap();
+            let found = recover(scene, method, (9, 40), 1).unwrap();
             assert!(found.pairs_at_start >= 10, "{found:?}");
             assert!(
                 found.steps_until_free.is_some_and(|steps| steps < 15),
@@ -31,6 +31,17 @@ fn sheets_that_pass_through_each_other_are_pulled_apart_for_good() {
                 [found.pairs_at_end, found.crossings_afterwards as usize],
                 [0; 2]
             );
+        }
+    }
+}
+
+#[test]
+fn implicit_euler_comes_through_contact_with_springs_of_every_stiffness() {
+    for stiffness in ["1", "1e4", "1e6"] {
+        let scene = scene_of("drape-sphere", 5, &format!("stiffness={stiffness}")).unwrap();
+        for dt in [1.0 / 60.0, 1.0 / 15.0] {
+            let (fate, _) = follow(&scene, "implicit-euler", dt, 1).unwrap();
+            assert_eq!(fate, Fate::Ok, "{stiffness} N/m, {dt} s");
         }
     }
 }

@@ -1,0 +1,25 @@
+//! Motion in contact.
+
+use cloth_bench::studies::contact::motion::follow;
+use cloth_bench::studies::contact::survival::scene_of;
+use cloth_bench::studies::work_precision::distance;
+
+/// Distance from the motion of BDF2 with steps of 1/480 s, over the size of the cloth: each bound is a tenth above what was
+/// measured. Sheets that land on each other do not buckle, so chance has no part in it.
+#[test]
+fn sheets_land_on_each_other_where_the_converged_motion_has_them() {
+    let sheets = scene_of("stack", 9, "").unwrap();
+    let end = |method, rate| follow(&sheets, method, rate).unwrap().1;
+    let converged = end("bdf2", 480);
+    for (method, most) in [
+        ("bdf2", 6.1e-5),
+        ("implicit-euler", 6.7e-5),
+        ("linear-implicit", 7.1e-5),
+        ("pd", 7.4e-5),
+        ("xpbd", 2.7e-4),
+        ("pbd", 4.7e-4),
+    ] {
+        let off = distance(&sheets, &end(method, 60), &converged);
+        assert!(off < most, "{method}: {off:e}");
+    }
+}
