@@ -2,8 +2,8 @@
 
 #[path = "contract/air.rs"]
 mod air;
-#[path = "contract/carriers.rs"]
-mod carriers;
+#[path = "contract/discretization.rs"]
+mod discretization;
 #[path = "contract/common.rs"]
 mod common;
 #[path = "contract/contact.rs"]

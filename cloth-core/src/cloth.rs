@@ -4,7 +4,7 @@
 //! [`ClothModel`] is both cut to a mesh, a list of families of [`Elements`] for the builder of any solver:
 //!
 //! ```
-//! use cloth_core::cloth::{BendingCarrier, Discretization, Cloth, Membrane, MembraneCarrier};
+//! use cloth_core::cloth::{BendingElements, Discretization, Cloth, Membrane, MembraneElements};
 //! use cloth_core::mesh::generate::{Diagonals, grid};
 //!
 //! let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating)?;
@@ -16,8 +16,8 @@
 //! let springs = cotton.on(&mesh)?;
 //! let triangles = cotton.discretized_with(
 //!     &Discretization {
-//!         membrane: MembraneCarrier::Stvk { poisson_ratio: 1.0 / 3.0 },
-//!         bending: BendingCarrier::Dihedral,
+//!         membrane: MembraneElements::Stvk { poisson_ratio: 1.0 / 3.0 },
+//!         bending: BendingElements::Dihedral,
 //!         ..Discretization::default()
 //!     },
 //!     &mesh,
@@ -52,19 +52,19 @@
 //! F. T. Peirce, "The 'handle' of cloth as a measurable quantity", J. Textile Institute 21, 1930, T377–T416,
 //! <https://doi.org/10.1080/19447023008661529>.
 
-mod carriers;
-mod detail;
+mod discretization;
+mod coarse_membrane;
 mod elements;
 mod midpoints;
 mod pieces;
-mod relief;
+mod locking_remedies;
 
-pub use carriers::{BendingCarrier, Discretization, MembraneCarrier};
-pub use detail::CoarseMembrane;
+pub use discretization::{BendingElements, Discretization, MembraneElements};
+pub use coarse_membrane::CoarseMembrane;
 pub use elements::{ConstraintVisitor, Elements, EnergyVisitor, ProjectiveVisitor};
 pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
-pub use relief::{SpringEdges, SpringLaw};
+pub use locking_remedies::{SpringEdges, SpringLaw};
 
 use crate::energy::{CurvatureHinge, Seam, SoftPin, Spring, Stitch};
 use crate::error::{OutOfRange, not_negative};
@@ -133,12 +133,12 @@ impl Cloth {
     /// cloth or the mesh.
     pub fn discretized_with(
         &self,
-        carriers: &Discretization,
+        discretization: &Discretization,
         mesh: &TriMesh,
     ) -> Result<ClothModel, ClothError> {
         let particles = Particles::from_areal_density(mesh, self.areal_density)?;
         let edges = EdgeTable::build(mesh)?;
-        let cut = carriers.cut(self, mesh, &edges)?;
+        let cut = discretization.cut(self, mesh, &edges)?;
         Ok(ClothModel {
             particles,
             springs: cut.springs,
@@ -313,9 +313,9 @@ pub enum ClothError {
     /// Shear springs were asked for on a mesh where no two triangles form a rectangle.
     NoRectangles,
     /// Another law of springs, or springs on some edges only, were asked for where no springs stand on the edges alone.
-    ReliefWithoutSprings,
+    LockingRemedyWithoutSprings,
     /// A coarse level was asked for where the membrane is not made of linear springs on all edges alone.
-    DetailWithoutSprings,
+    CoarseMembraneWithoutSprings,
     /// The mesh has no such coarse level.
     NoSuchLevel {
         /// The one asked for, from 1.
@@ -330,7 +330,7 @@ pub enum ClothError {
     /// Two pieces name the same triangle.
     InTwoPieces(u32),
     /// A coarse level was asked for a piece that is not the whole mesh.
-    DetailOfPiece,
+    CoarseMembraneOfPiece,
     /// Edges cannot be left out as asked for.
     DofFraction {
         /// The fraction of all coordinates that was to be free.
@@ -356,10 +356,10 @@ impl fmt::Display for ClothError {
             Self::NoRectangles => f.write_str(
                 "no two triangles of the mesh form a rectangle that shear springs could cross",
             ),
-            Self::ReliefWithoutSprings => f.write_str(
+            Self::LockingRemedyWithoutSprings => f.write_str(
                 "slack, weaker springs under compression and springs on some edges only are for a membrane of springs on edges, not beside shear springs, and of triangles ARAP ones alone have slack",
             ),
-            Self::DetailWithoutSprings => f.write_str(
+            Self::CoarseMembraneWithoutSprings => f.write_str(
                 "a coarse level carries a cloth of linear springs on all edges, not one of triangles, and not beside shear springs or another remedy",
             ),
             Self::NoSuchLevel { level, most } => write!(
@@ -376,7 +376,7 @@ impl fmt::Display for ClothError {
             Self::InTwoPieces(triangle) => {
                 write!(f, "triangle {triangle} is named twice, but it can be in one piece only")
             }
-            Self::DetailOfPiece => f.write_str(
+            Self::CoarseMembraneOfPiece => f.write_str(
                 "a coarse level carries a whole mesh, not one piece of several",
             ),
             Self::DofFraction { fraction, most } => write!(

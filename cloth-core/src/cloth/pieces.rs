@@ -12,7 +12,7 @@ pub struct Piece {
     /// The material.
     pub cloth: Cloth,
     /// Which elements carry it.
-    pub carriers: Discretization,
+    pub discretization: Discretization,
     /// Numbers of its triangles.
     pub triangles: Vec<u32>,
 }
@@ -50,12 +50,12 @@ impl ClothModel {
             if triangles.is_empty() {
                 continue;
             }
-            if piece.carriers.detail.is_some() && triangles.len() < areas.len() {
-                return Err(ClothError::DetailOfPiece);
+            if piece.discretization.coarse_membrane.is_some() && triangles.len() < areas.len() {
+                return Err(ClothError::CoarseMembraneOfPiece);
             }
             let part = mesh.with_triangles(triangles);
             let edges = EdgeTable::build(&part)?;
-            let cut = piece.carriers.cut(&piece.cloth, &part, &edges)?;
+            let cut = piece.discretization.cut(&piece.cloth, &part, &edges)?;
             springs.extend(cut.springs);
             hinges.extend(cut.hinges);
             for family in cut.others {

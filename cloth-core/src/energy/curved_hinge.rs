@@ -133,7 +133,7 @@ impl Projective<4, 1> for CurvedHinge {
     #[inline]
     fn projected_hessian(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = self.length_and_direction(z);
-        [[crate::math::radial_resistance(
+        [[crate::math::projected_radial_hessian(
             length,
             n,
             self.rest_curvature,

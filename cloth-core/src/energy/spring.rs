@@ -216,6 +216,6 @@ impl Projective<2, 1> for Spring {
     #[inline]
     fn projected_hessian(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = length_and_direction(z, self.vertices);
-        [[crate::math::radial_resistance(length, n, self.rest_length)]]
+        [[crate::math::projected_radial_hessian(length, n, self.rest_length)]]
     }
 }

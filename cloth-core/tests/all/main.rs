@@ -6,14 +6,14 @@ use cloth_core::math; // files of the library that are included ask for `crate::
 mod air;
 mod area_volume;
 mod bending;
-mod carriers;
+mod discretization;
 mod cloth;
 mod coloring;
 mod contact_steps;
 #[path = "../support/counting_allocator.rs"]
 mod counting_allocator;
 #[cfg(feature = "cholesky")]
-mod detail;
+mod coarse_membrane;
 mod directions;
 #[cfg(feature = "cholesky")]
 mod dof;
@@ -44,7 +44,7 @@ mod projection;
 mod prolongation;
 mod random;
 #[cfg(feature = "cholesky")]
-mod relief;
+mod locking_remedies;
 #[cfg(feature = "cholesky")]
 mod saddle;
 mod semidefinite;

@@ -14,14 +14,14 @@ use crate::topology::{EdgeTable, HingeTable};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Discretization {
     /// What resists stretching.
-    pub membrane: MembraneCarrier,
+    pub membrane: MembraneElements,
     /// Stiffness (N/m) of shear springs along both diagonals of every rectangle that two triangles form: one lies on an
     /// edge and takes this stiffness instead of the membrane's, the other is added. With axial springs of stiffness k
     /// on a square grid the sheet is isotropic if this is k/2, and has then the modulus `Y = 4k/3` and ν = 1/3, but for
     /// the rim ([`Membrane::SpringStiffness`]). None: no second diagonal. Springs of a given stiffness only.
     pub shear: Option<Real>,
     /// What resists bending.
-    pub bending: BendingCarrier,
+    pub bending: BendingElements,
     /// How springs on edges answer; springs only, and none beside shear springs. A dead zone is for ARAP triangles too:
     /// of their principal stretches.
     pub law: SpringLaw,
@@ -29,13 +29,13 @@ pub struct Discretization {
     pub edges: SpringEdges,
     /// A coarser level that keeps the cloth from stretching instead of the edges; linear springs on all edges only.
     /// None: the edges do.
-    pub detail: Option<CoarseMembrane>,
+    pub coarse_membrane: Option<CoarseMembrane>,
 }
 
 /// What resists stretching.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub enum MembraneCarrier {
+pub enum MembraneElements {
     /// A spring on every edge.
     #[default]
     Springs,
@@ -54,7 +54,7 @@ pub enum MembraneCarrier {
 /// 0 gets none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub enum BendingCarrier {
+pub enum BendingElements {
     /// [`CurvatureHinge`]: flat at rest.
     #[default]
     Quadratic,
@@ -108,31 +108,31 @@ impl Discretization {
         cut: &mut Cut,
     ) -> Result<(), ClothError> {
         let is_plain = self.law == SpringLaw::Linear && self.edges == SpringEdges::All;
-        let is_bare = self.membrane == MembraneCarrier::Springs && self.shear.is_none();
-        let is_slack = self.membrane == MembraneCarrier::Arap
+        let is_bare = self.membrane == MembraneElements::Springs && self.shear.is_none();
+        let is_slack = self.membrane == MembraneElements::Arap
             && self.shear.is_none()
             && self.edges == SpringEdges::All
             && matches!(self.law, SpringLaw::DeadZone(_));
         if !is_plain && !is_bare && !is_slack {
-            return Err(ClothError::ReliefWithoutSprings);
+            return Err(ClothError::LockingRemedyWithoutSprings);
         }
-        if self.detail.is_some() && !(is_plain && is_bare) {
-            return Err(ClothError::DetailWithoutSprings);
+        if self.coarse_membrane.is_some() && !(is_plain && is_bare) {
+            return Err(ClothError::CoarseMembraneWithoutSprings);
         }
         match self.membrane {
-            MembraneCarrier::Springs => {
+            MembraneElements::Springs => {
                 let springs = membrane.springs(mesh, edges);
                 let springs = self.edges.chosen_from(springs, mesh, edges)?;
                 let (mut springs, mut limited) = self.law.applied_to(springs)?;
-                if let Some(detail) = self.detail {
-                    limited = detail.applied_to(&mut springs, membrane, mesh, edges)?;
+                if let Some(coarse_membrane) = self.coarse_membrane {
+                    limited = coarse_membrane.applied_to(&mut springs, membrane, mesh, edges)?;
                 }
                 cut.springs = springs;
                 if !limited.is_empty() {
                     cut.others.push(Elements::Limited(limited));
                 }
             }
-            MembraneCarrier::Stvk { poisson_ratio } => {
+            MembraneElements::Stvk { poisson_ratio } => {
                 if !(-1.0 < poisson_ratio && poisson_ratio < 1.0) {
                     return Err(ClothError::PoissonRatio(poisson_ratio));
                 }
@@ -140,13 +140,13 @@ impl Discretization {
                 let triangles = StvkTriangle::on(mesh, modulus, poisson_ratio);
                 cut.others.push(Elements::Stvk(triangles));
             }
-            MembraneCarrier::Arap if is_slack => {
+            MembraneElements::Arap if is_slack => {
                 let limits = self.law.slack_range()?;
                 let modulus = membrane.modulus(mesh, edges);
                 let triangles = StrainLimitTriangle::on(mesh, limits, modulus);
                 cut.others.push(Elements::LimitedTriangles(triangles));
             }
-            MembraneCarrier::Arap => {
+            MembraneElements::Arap => {
                 let triangles = ArapTriangle::on(mesh, membrane.modulus(mesh, edges));
                 cut.others.push(Elements::Arap(triangles));
             }
@@ -155,7 +155,7 @@ impl Discretization {
             return Ok(());
         };
         not_negative("shear stiffness (N/m)", stiffness)?;
-        if self.membrane != MembraneCarrier::Springs || matches!(membrane, Membrane::Modulus(_)) {
+        if self.membrane != MembraneElements::Springs || matches!(membrane, Membrane::Modulus(_)) {
             return Err(ClothError::ShearWithoutStiffness);
         }
         let diagonals = shear(mesh, edges, stiffness, &mut cut.springs)?;
@@ -170,38 +170,38 @@ impl Discretization {
         edges: &EdgeTable,
         cut: &mut Cut,
     ) -> Result<(), ClothError> {
-        if let BendingCarrier::Springs(stiffness) = self.bending {
+        if let BendingElements::Springs(stiffness) = self.bending {
             not_negative("stiffness of the bending springs (N/m)", stiffness)?;
             let hinges = HingeTable::build(mesh, edges);
             let springs = Spring::across(mesh.positions(), &hinges, stiffness);
             cut.others.push(Elements::Springs(springs));
             return Ok(());
         }
-        if rigidity == 0.0 || self.bending == BendingCarrier::None {
+        if rigidity == 0.0 || self.bending == BendingElements::None {
             return Ok(());
         }
         let table = HingeTable::build(mesh, edges);
         match self.bending {
-            BendingCarrier::Quadratic => {
+            BendingElements::Quadratic => {
                 cut.hinges = CurvatureHinge::across(mesh, &table, rigidity);
             }
-            BendingCarrier::Dihedral => {
+            BendingElements::Dihedral => {
                 let hinges = DihedralHinge::across(mesh, &table, rigidity);
                 cut.others.push(Elements::Dihedral(hinges));
             }
-            BendingCarrier::Bridson => {
+            BendingElements::Bridson => {
                 let hinges = DihedralHinge::bridson_across(mesh, &table, rigidity);
                 cut.others.push(Elements::Dihedral(hinges));
             }
-            BendingCarrier::Cubic => {
+            BendingElements::Cubic => {
                 let hinges = CubicShell::across(mesh, &table, rigidity);
                 cut.others.push(Elements::Cubic(hinges));
             }
-            BendingCarrier::Curved => {
+            BendingElements::Curved => {
                 let hinges = CurvedHinge::across(mesh, &table, rigidity);
                 cut.others.push(Elements::Curved(hinges));
             }
-            BendingCarrier::Springs(_) | BendingCarrier::None => {}
+            BendingElements::Springs(_) | BendingElements::None => {}
         }
         Ok(())
     }
