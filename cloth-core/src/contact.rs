@@ -367,7 +367,8 @@ impl fmt::Display for ContactError {
                 inverse_mass,
             } => write!(
                 f,
-                "contact was told an inverse mass of {inverse_mass} 1/kg for vertex {vertex}; it is 0 or a positive finite number"
+                "contact was told an inverse mass of {inverse_mass} 1/kg for vertex {vertex}; it is 0 or a positive \
+                 finite number"
             ),
             Self::IntersectingStart {
                 pairs,

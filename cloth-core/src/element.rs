@@ -155,7 +155,8 @@ mod sealed {
 pub enum Convexity {
     /// Keep them: the true second derivative.
     Exact,
-    /// Set them to zero.
+    /// Set them to zero (J. Teran, E. Sifakis, G. Irving, R. Fedkiw, "Robust quasistatic finite elements and flesh
+    /// simulation", SCA 2005, <https://doi.org/10.1145/1073368.1073394>).
     #[default]
     Clamp,
     /// Take their absolute value: a matrix that resists leaving the point in every direction in which the energy is

@@ -442,7 +442,8 @@ impl fmt::Display for StepError {
                 step,
             } => write!(
                 f,
-                "the line search of step {step} stalled in iteration {iteration} at a relative gradient of {residual:.3e}"
+                "the line search of step {step} stalled in iteration {iteration} at a relative gradient of \
+                 {residual:.3e}"
             ),
         }
     }

@@ -123,7 +123,7 @@ impl ConstraintUpdate for XpbdUpdate {
 
     const ROWS_TOGETHER: bool = true;
 
-    /// ν starts from `−k h β C⁰`; where k is not a number ν is none either, and the step ends in an error.
+    /// ν starts from `−k h β C⁰`. Where k is NaN, so is ν, and the step ends in an error.
     fn prepare(&self, row: RowState, memory: &mut Multiplier) {
         *memory = Multiplier {
             lambda: if row.stiffness.is_nan() {

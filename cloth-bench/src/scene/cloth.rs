@@ -97,10 +97,7 @@ pub(super) fn harden(model: &mut ClothModel, is_wanted: impl Fn(usize) -> bool) 
 fn check_hard(settings: &Settings) -> Result<(), BenchError> {
     let (own, edges) = (Material::read(settings)?, EdgeSprings::read(settings)?);
     let others = [
-        (
-            own.membrane.bare(),
-            *own.membrane != MembraneName::Springs,
-        ),
+        (own.membrane.bare(), *own.membrane != MembraneName::Springs),
         (own.shear.bare(), own.shear.is_some()),
         (edges.compression.bare(), *edges.compression != 1.0),
         (edges.slack.bare(), edges.slack.is_some()),
@@ -219,7 +216,10 @@ fn bending_elements(own: &Material) -> Result<BendingElements, BenchError> {
     if *own.bending != BendingName::Spring {
         own.bending_stiffness.refuse_without("bending=spring")?;
     }
-    if matches!(elements, BendingElements::Springs(_) | BendingElements::None) {
+    if matches!(
+        elements,
+        BendingElements::Springs(_) | BendingElements::None
+    ) {
         own.rigidity.refuse_without("bending hinges")?;
     }
     Ok(elements)

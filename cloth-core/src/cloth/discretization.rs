@@ -1,4 +1,4 @@
-//! Which elements carry a cloth: the choice, and how each kind gets its constants from the one description.
+//! Which elements a cloth is discretized with, and how each kind gets its constants from the one description.
 
 use super::{Cloth, ClothError, CoarseMembrane, Elements, Membrane, SpringEdges, SpringLaw};
 use crate::energy::{
@@ -10,7 +10,7 @@ use crate::math::{Real, gather};
 use crate::mesh::TriMesh;
 use crate::topology::{EdgeTable, HingeTable};
 
-/// Which elements carry a cloth. The default, springs on the edges and quadratic hinges, is what [`Cloth::on`] takes.
+/// Which elements a cloth is discretized with. The default, springs on the edges and quadratic hinges, is what [`Cloth::on`] takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Discretization {
     /// What resists stretching.
@@ -27,8 +27,8 @@ pub struct Discretization {
     pub law: SpringLaw,
     /// Which edges carry springs; springs only, and all of them beside shear springs.
     pub edges: SpringEdges,
-    /// A coarser level that keeps the cloth from stretching instead of the edges; linear springs on all edges only.
-    /// None: the edges do.
+    /// Links of a coarser level that keep the cloth from stretching instead of the edges, beside linear springs on all
+    /// edges. None: the edges do.
     pub coarse_membrane: Option<CoarseMembrane>,
 }
 
@@ -73,31 +73,28 @@ pub enum BendingElements {
     None,
 }
 
-/// The springs on the edges, and everything else.
-pub(super) struct Cut {
+/// Springs on the edges, quadratic hinges, and everything else.
+#[derive(Default)]
+pub(super) struct MeshElements {
     pub(super) springs: Vec<Spring>,
     pub(super) hinges: Vec<CurvatureHinge>,
     pub(super) others: Vec<Elements>,
 }
 
 impl Discretization {
-    /// Cuts a cloth to a mesh.
-    pub(super) fn cut(
+    /// The elements of a cloth on a mesh.
+    pub(super) fn elements(
         &self,
         cloth: &Cloth,
         mesh: &TriMesh,
         edges: &EdgeTable,
-    ) -> Result<Cut, ClothError> {
+    ) -> Result<MeshElements, ClothError> {
         cloth.membrane.check()?;
         not_negative("bending rigidity (N·m)", cloth.bending_rigidity)?;
-        let mut cut = Cut {
-            springs: Vec::new(),
-            hinges: Vec::new(),
-            others: Vec::new(),
-        };
-        self.add_membrane(cloth.membrane, mesh, edges, &mut cut)?;
-        self.add_bending(cloth.bending_rigidity, mesh, edges, &mut cut)?;
-        Ok(cut)
+        let mut elements = MeshElements::default();
+        self.add_membrane(cloth.membrane, mesh, edges, &mut elements)?;
+        self.add_bending(cloth.bending_rigidity, mesh, edges, &mut elements)?;
+        Ok(elements)
     }
 
     fn add_membrane(
@@ -105,18 +102,19 @@ impl Discretization {
         membrane: Membrane,
         mesh: &TriMesh,
         edges: &EdgeTable,
-        cut: &mut Cut,
+        out: &mut MeshElements,
     ) -> Result<(), ClothError> {
-        let is_plain = self.law == SpringLaw::Linear && self.edges == SpringEdges::All;
-        let is_bare = self.membrane == MembraneElements::Springs && self.shear.is_none();
-        let is_slack = self.membrane == MembraneElements::Arap
+        let is_linear_on_all_edges =
+            self.law == SpringLaw::Linear && self.edges == SpringEdges::All;
+        let is_springs_alone = self.membrane == MembraneElements::Springs && self.shear.is_none();
+        let is_slack_arap = self.membrane == MembraneElements::Arap
             && self.shear.is_none()
             && self.edges == SpringEdges::All
             && matches!(self.law, SpringLaw::DeadZone(_));
-        if !is_plain && !is_bare && !is_slack {
+        if !is_linear_on_all_edges && !is_springs_alone && !is_slack_arap {
             return Err(ClothError::LockingRemedyWithoutSprings);
         }
-        if self.coarse_membrane.is_some() && !(is_plain && is_bare) {
+        if self.coarse_membrane.is_some() && !(is_linear_on_all_edges && is_springs_alone) {
             return Err(ClothError::CoarseMembraneWithoutSprings);
         }
         match self.membrane {
@@ -127,9 +125,9 @@ impl Discretization {
                 if let Some(coarse_membrane) = self.coarse_membrane {
                     limited = coarse_membrane.applied_to(&mut springs, membrane, mesh, edges)?;
                 }
-                cut.springs = springs;
+                out.springs = springs;
                 if !limited.is_empty() {
-                    cut.others.push(Elements::Limited(limited));
+                    out.others.push(Elements::Limited(limited));
                 }
             }
             MembraneElements::Stvk { poisson_ratio } => {
@@ -138,17 +136,17 @@ impl Discretization {
                 }
                 let modulus = membrane.modulus(mesh, edges);
                 let triangles = StvkTriangle::on(mesh, modulus, poisson_ratio);
-                cut.others.push(Elements::Stvk(triangles));
+                out.others.push(Elements::Stvk(triangles));
             }
-            MembraneElements::Arap if is_slack => {
+            MembraneElements::Arap if is_slack_arap => {
                 let limits = self.law.slack_range()?;
                 let modulus = membrane.modulus(mesh, edges);
                 let triangles = StrainLimitTriangle::on(mesh, limits, modulus);
-                cut.others.push(Elements::LimitedTriangles(triangles));
+                out.others.push(Elements::LimitedTriangles(triangles));
             }
             MembraneElements::Arap => {
                 let triangles = ArapTriangle::on(mesh, membrane.modulus(mesh, edges));
-                cut.others.push(Elements::Arap(triangles));
+                out.others.push(Elements::Arap(triangles));
             }
         }
         let Some(stiffness) = self.shear else {
@@ -158,8 +156,8 @@ impl Discretization {
         if self.membrane != MembraneElements::Springs || matches!(membrane, Membrane::Modulus(_)) {
             return Err(ClothError::ShearWithoutStiffness);
         }
-        let diagonals = shear(mesh, edges, stiffness, &mut cut.springs)?;
-        cut.others.push(Elements::Springs(diagonals));
+        let diagonals = shear(mesh, edges, stiffness, &mut out.springs)?;
+        out.others.push(Elements::Springs(diagonals));
         Ok(())
     }
 
@@ -168,13 +166,13 @@ impl Discretization {
         rigidity: Real,
         mesh: &TriMesh,
         edges: &EdgeTable,
-        cut: &mut Cut,
+        out: &mut MeshElements,
     ) -> Result<(), ClothError> {
         if let BendingElements::Springs(stiffness) = self.bending {
             not_negative("stiffness of the bending springs (N/m)", stiffness)?;
             let hinges = HingeTable::build(mesh, edges);
             let springs = Spring::across(mesh.positions(), &hinges, stiffness);
-            cut.others.push(Elements::Springs(springs));
+            out.others.push(Elements::Springs(springs));
             return Ok(());
         }
         if rigidity == 0.0 || self.bending == BendingElements::None {
@@ -183,23 +181,23 @@ impl Discretization {
         let table = HingeTable::build(mesh, edges);
         match self.bending {
             BendingElements::Quadratic => {
-                cut.hinges = CurvatureHinge::across(mesh, &table, rigidity);
+                out.hinges = CurvatureHinge::across(mesh, &table, rigidity);
             }
             BendingElements::Dihedral => {
                 let hinges = DihedralHinge::across(mesh, &table, rigidity);
-                cut.others.push(Elements::Dihedral(hinges));
+                out.others.push(Elements::Dihedral(hinges));
             }
             BendingElements::Bridson => {
                 let hinges = DihedralHinge::bridson_across(mesh, &table, rigidity);
-                cut.others.push(Elements::Dihedral(hinges));
+                out.others.push(Elements::Dihedral(hinges));
             }
             BendingElements::Cubic => {
                 let hinges = CubicShell::across(mesh, &table, rigidity);
-                cut.others.push(Elements::Cubic(hinges));
+                out.others.push(Elements::Cubic(hinges));
             }
             BendingElements::Curved => {
                 let hinges = CurvedHinge::across(mesh, &table, rigidity);
-                cut.others.push(Elements::Curved(hinges));
+                out.others.push(Elements::Curved(hinges));
             }
             BendingElements::Springs(_) | BendingElements::None => {}
         }

@@ -9,7 +9,7 @@ use crate::mesh::TriMesh;
 use crate::particles::Particles;
 use crate::topology::{EdgeTable, Midpoints};
 
-/// A cloth cut to the edge midpoints of a mesh, ready for any solver that takes its elements: particle e is the middle
+/// A cloth discretized on the edge midpoints of a mesh, ready for any solver that takes its elements: particle e is the middle
 /// of edge e.
 ///
 /// Masses are those of the mesh's triangles, a third of each at each of its midpoints. For vertices at `x`, the

@@ -212,7 +212,9 @@ fn the_whole_modulus_on_one_side_leaves_nothing_on_the_other() {
 #[test]
 fn what_does_not_fit_is_refused_with_numbers() {
     let mesh = grid(9, 9, 1.0, 1.0, Diagonals::OneWay).unwrap();
-    let refused = |discretization: Discretization| STIFF.discretized_with(&discretization, &mesh).unwrap_err();
+    let refused = |discretization: Discretization| {
+        STIFF.discretized_with(&discretization, &mesh).unwrap_err()
+    };
     for discretization in [
         Discretization {
             membrane: MembraneElements::Arap,
@@ -231,7 +233,10 @@ fn what_does_not_fit_is_refused_with_numbers() {
             ..carried(1)
         },
     ] {
-        assert_eq!(refused(discretization), ClothError::CoarseMembraneWithoutSprings);
+        assert_eq!(
+            refused(discretization),
+            ClothError::CoarseMembraneWithoutSprings
+        );
     }
     let words = refused(carried(40)).to_string();
     assert!(

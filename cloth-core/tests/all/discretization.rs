@@ -177,8 +177,8 @@ fn choices_that_do_not_fit_are_refused() {
         refused(COTTON, beside_triangles, &grid),
         ClothError::ShearWithoutStiffness
     );
-    let lattice = equilateral(4, 4, 1.0).unwrap();
-    assert_eq!(refused(COTTON, shear, &lattice), ClothError::NoRectangles);
+    let triangles = equilateral(4, 4, 1.0).unwrap();
+    assert_eq!(refused(COTTON, shear, &triangles), ClothError::NoRectangles);
     for poisson_ratio in [1.0, -1.0, Real::NAN] {
         let discretization = Discretization {
             membrane: MembraneElements::Stvk { poisson_ratio },

@@ -1,7 +1,8 @@
 //! A cloth of several materials: each piece is what its own material says, and nothing else changes.
 
 use cloth_core::cloth::{
-    BendingElements, Cloth, ClothError, ClothModel, Discretization, Membrane, MembraneElements, Piece,
+    BendingElements, Cloth, ClothError, ClothModel, Discretization, Membrane, MembraneElements,
+    Piece,
 };
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, join};
@@ -39,7 +40,10 @@ fn one_piece_of_all_triangles_is_the_whole_cloth() {
             ..Discretization::default()
         };
         let model = ClothModel::of_pieces(&mesh, &[piece(COTTON, discretization, 0..all)]).unwrap();
-        assert_eq!(model, COTTON.discretized_with(&discretization, &mesh).unwrap());
+        assert_eq!(
+            model,
+            COTTON.discretized_with(&discretization, &mesh).unwrap()
+        );
     }
 }
 
@@ -64,8 +68,9 @@ fn pieces_apart_are_the_cloths_they_would_be_alone() {
             piece(LEATHER, second, triangles..2 * triangles),
         ];
         let model = ClothModel::of_pieces(&both, &pieces).unwrap();
-        let alone = [(COTTON, first), (LEATHER, second)]
-            .map(|(cloth, discretization)| cloth.discretized_with(&discretization, &sheet).unwrap());
+        let alone = [(COTTON, first), (LEATHER, second)].map(|(cloth, discretization)| {
+            cloth.discretized_with(&discretization, &sheet).unwrap()
+        });
         let masses = alone.each_ref().map(|model| model.particles.mass());
         assert_eq!(model.particles.mass(), masses.concat());
         let x: Vec<_> = (0..2 * count)

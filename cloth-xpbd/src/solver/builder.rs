@@ -116,9 +116,6 @@ impl XpbdBuilder {
     /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
     /// do not have, or one twice.
-    ///
-    /// # Panics
-    /// If an element of a coloured sweep names a vertex twice.
     pub fn build(self) -> Result<XpbdSolver, BuildError> {
         let (motion, config) = (self.motion, self.config);
         check_counts(config.iterations, config.substeps)?;
