@@ -84,9 +84,9 @@
 //!   stiffness of its own, for rectangular cells. The stretch and shear conditions of Baraff and Witkin are not among
 //!   the elements.
 //! - A [`cloth::Cloth`] is discretized with springs, whose modulus depends on the pattern of the mesh
-//!   ([`cloth::Membrane`]), and with quadratic hinges, which are flat at rest, unless [`cloth::Discretization`] chooses other elements of
-//!   [`energy`]. Hinges have a Poisson's ratio of their own, which the pattern of the mesh decides: −1/3 on equilateral
-//!   triangles.
+//!   ([`cloth::Membrane`]), and with quadratic hinges, which are flat at rest, unless [`cloth::Discretization`] chooses
+//!   other elements of [`energy`]. Hinges have a Poisson's ratio of their own, which the pattern of the mesh decides:
+//!   −1/3 on equilateral triangles.
 //!
 //! # When not to use it
 //!

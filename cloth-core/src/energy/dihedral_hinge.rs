@@ -1,13 +1,13 @@
 //! Bending by the angle between two triangles, with a rest angle.
 //!
-//! E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
-//! <https://doi.org/10.2312/SCA03/062-067>: the flexural energy `Σ (θₑ − θ̄ₑ)² ‖ē‖/h̄ₑ`, the bars meaning rest. h̄ₑ is a
-//! third of the mean height of the two triangles, so `‖ē‖/h̄ₑ = 3e²/(A₀ + A₁)`.
-//! R. Bridson, S. Marino, R. Fedkiw, "Simulation of clothing with folds and wrinkles", SCA 2003,
-//! <https://doi.org/10.2312/SCA03/028-036>: the force `Fᵢ = kₑ |E|²/(|N₁| + |N₂|) sin(θ/2) uᵢ`, of which u₁…u₄ are
-//! `∂θ/∂x`. Their normals N are twice an area long.
-//! R. Tamstorf, E. Grinspun, "Discrete bending forces and their Jacobians", Graphical Models 75 (2013),
-//! <https://doi.org/10.1016/j.gmod.2013.07.001>: the Hessian of θ.
+//! - E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
+//!   <https://doi.org/10.2312/SCA03/062-067>: the flexural energy `Σ (θₑ − θ̄ₑ)² ‖ē‖/h̄ₑ`, the bars meaning rest. h̄ₑ is
+//!   a third of the mean height of the two triangles, so `‖ē‖/h̄ₑ = 3e²/(A₀ + A₁)`.
+//! - R. Bridson, S. Marino, R. Fedkiw, "Simulation of clothing with folds and wrinkles", SCA 2003,
+//!   <https://doi.org/10.2312/SCA03/028-036>: the force `Fᵢ = kₑ |E|²/(|N₁| + |N₂|) sin(θ/2) uᵢ`, where u₁…u₄ are
+//!   `∂θ/∂x`, and the normals N are twice an area long.
+//! - R. Tamstorf, E. Grinspun, "Discrete bending forces and their Jacobians", Graphical Models 75 (2013),
+//!   <https://doi.org/10.1016/j.gmod.2013.07.001>: the Hessian of θ.
 
 use super::cotangent::on_each_hinge;
 use crate::cloth::Elements;
