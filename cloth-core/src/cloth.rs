@@ -80,15 +80,15 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Membrane {
     /// The same spring stiffness k (N/m) on every edge. What modulus that makes depends on the pattern of the mesh, and
-    /// a little on its size: the rim, which stands for half a cell, has the whole k too. A sheet of n cells across the
-    /// pull is stiffer by about k/n, 3/(4n) of its modulus `4k/3` on the alternating grid. [`Membrane::Modulus`] has no
-    /// such part.
+    /// a little on its size: the boundary, which stands for half a cell, has the whole k too. A sheet of n cells across
+    /// the pull is stiffer by about k/n, 3/(4n) of its modulus `4k/3` on the alternating grid. [`Membrane::Modulus`]
+    /// has no such part.
     SpringStiffness(Real),
     /// Membrane modulus Y (N/m): Young's modulus times thickness.
     ///
     /// Every edge gets `k = 3 Y A/Σ n L²`, with A the area of the mesh and n half the number of triangles at an edge (1
-    /// inside, ½ on the rim); rim edges get half of it. Then the springs, averaged over all directions, make an
-    /// isotropic sheet of modulus Y and Poisson's ratio 1/3. For equilateral triangles (`Y = 2k/√3`) and the
+    /// inside, ½ on the boundary); boundary edges get half of it. Then the springs, averaged over all directions, make
+    /// an isotropic sheet of modulus Y and Poisson's ratio 1/3. For equilateral triangles (`Y = 2k/√3`) and the
     /// alternating grid (`Y = 4k/3`) it is exact in every direction.
     Modulus(Real),
 }

@@ -124,16 +124,17 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// If the start of the step is not in order, or prescribed vertices or obstacles have no free path.
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
-    /// The part of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for
-    /// places on that part, until the next call. Below 1 it need not mean a contact: long paths are looked at in parts.
+    /// The fraction of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready
+    /// for places up to there, until the next call. Below 1 it need not mean a contact: of a long path only the
+    /// beginning is tested.
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError>;
 
-    /// The same for each vertex by itself, so that one contact does not hold back what is far from it: takes vertices
-    /// back on their straight paths from `from` to `to` (m) until all paths together are safe, and gets ready for
-    /// places on them. `parts` becomes what is left of each path (dimensionless, 0..=1).
+    /// The same for each vertex by itself, so that one contact does not stop what is far from it: truncates the
+    /// displacements of vertices, which go on straight paths from `from` to `to` (m) until all paths together are safe,
+    /// and gets ready for places on them. `fractions` becomes what is left of each path (dimensionless, 0..=1).
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].
@@ -141,7 +142,7 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
         &mut self,
         from: &[Vec3],
         to: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError>;
 
     /// Adds the gradient (N) of the energy at `x` (m), a place on the last path, to `out`, and returns the energy (J);
@@ -273,7 +274,7 @@ impl Projection {
     }
 }
 
-/// One part of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four
+/// One term of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four
 /// vertices, `J_i = w_i n`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactRow {
@@ -327,7 +328,7 @@ pub enum ContactError {
         /// 1/kg.
         inverse_mass: Real,
     },
-    /// The step starts with parts that pass through each other, so there is nothing to keep.
+    /// The step starts with triangles that cross each other, so there is no promise to keep.
     IntersectingStart {
         /// Number of pairs of triangles that do.
         pairs: usize,
@@ -384,7 +385,7 @@ impl fmt::Display for ContactError {
             }
             Self::Infeasible { vertex } => write!(
                 f,
-                "prescribed vertices or obstacles leave no free way to vertex {vertex}"
+                "prescribed vertices or obstacles leave no free path to vertex {vertex}"
             ),
         }
     }

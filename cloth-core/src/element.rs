@@ -292,7 +292,7 @@ pub trait Constraint<const N: usize>: Element<N> {
 
     /// The rows at `x` (m) as they are without their dead zones, if they have such: see [`DeadZoneRow`].
     /// [`Constraint::rows`] are then their [`DeadZoneRow::row`]. An element whose rows vanish beyond one side, a limit
-    /// or a contact, has to say so here, or a sweep with multipliers cannot let go of it.
+    /// or a contact, has to say so here, or a sweep with multipliers cannot make it inactive again.
     #[inline(always)]
     fn dead_zone_rows(
         &self,

@@ -43,14 +43,14 @@ mod components;
 mod edges;
 mod hinges;
 mod midpoints;
-mod thin;
+mod removable;
 
 pub use boundary::boundary_loops;
 pub use components::{DisjointSets, bow_tie_vertices, components};
 pub use edges::{EdgeTable, NONE, inconsistently_oriented_edges, triangle_edges};
 pub use hinges::HingeTable;
 pub use midpoints::Midpoints;
-pub use thin::removable_edges;
+pub use removable::removable_edges;
 
 use crate::mesh::TriMesh;
 

@@ -188,8 +188,8 @@
 //!
 //! `α̃ = α/h²` and `w̃` have the same unit, u²/(kg m²); their ratio `k h² w̃` says how stiff a row is *for this step*:
 //! much above 1 it acts as a hard constraint, much below 1 one visit hardly matters. Elements take k, not α, and derive
-//! it from the material: Y (N/m), Young's modulus times thickness, and D (N m), the bending rigidity. Springs get
-//! k = ¾ Y inside the alternating grid, half of that on its rim, which makes an isotropic sheet of ν = 1/3 and a shear
+//! it from the material: Y (N/m), Young's modulus times thickness, and D (N m), the bending rigidity. Springs get k = ¾
+//! Y inside the alternating grid, half of that on its boundary, which makes an isotropic sheet of ν = 1/3 and a shear
 //! modulus of ⅜ Y ([`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus)). Infinite k is a hard row (zero
 //! compliance), zero k no row. Negative k is not checked: a visit turns C̃ to `−C̃/(|k| h² w̃ − 1)`, or does nothing
 //! where `|k| h² w̃ ≤ 1`.
@@ -501,8 +501,8 @@
 //!   (`chapter/guide.rs`). Ringing is energy that a stop has left in springs: take more substeps, `energy_gain` or
 //!   damping. Rounding gives 10⁻¹⁶ of the positions over h, 1e-13 m/s at 1 m and 1/1200 s.
 //! - **Locking** comes from the mesh; converged sweeps have it as any method has. A bent sheet of V vertices and E
-//!   edges that cannot stretch has 3V − E motions, three more than its rim has edges (one piece, no holes). So stiff
-//!   springs fold freely along lines of edges only, on fine meshes too. Remedies:
+//!   edges that cannot stretch has 3V − E motions, three more than its boundary has edges (one piece, no holes). So
+//!   stiff springs fold freely along lines of edges only, on fine meshes too. Remedies:
 //!   [`SpringLaw`](cloth_core::cloth::SpringLaw) and `cloth_core::dof`, with numbers.
 //!
 //! # When not to use this method

@@ -10,7 +10,8 @@ use crate::math::{Real, gather};
 use crate::mesh::TriMesh;
 use crate::topology::{EdgeTable, HingeTable};
 
-/// Which elements a cloth is discretized with. The default, springs on the edges and quadratic hinges, is what [`Cloth::on`] takes.
+/// Which elements a cloth is discretized with. The default, springs on the edges and quadratic hinges, is what
+/// [`Cloth::on`] takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Discretization {
     /// What resists stretching.
@@ -18,7 +19,7 @@ pub struct Discretization {
     /// Stiffness (N/m) of shear springs along both diagonals of every rectangle that two triangles form: one lies on an
     /// edge and takes this stiffness instead of the membrane's, the other is added. With axial springs of stiffness k
     /// on a square grid the sheet is isotropic if this is k/2, and has then the modulus `Y = 4k/3` and ν = 1/3, but for
-    /// the rim ([`Membrane::SpringStiffness`]). None: no second diagonal. Springs of a given stiffness only.
+    /// the boundary ([`Membrane::SpringStiffness`]). None: no second diagonal. Springs of a given stiffness only.
     pub shear: Option<Real>,
     /// What resists bending.
     pub bending: BendingElements,
@@ -41,7 +42,7 @@ pub enum MembraneElements {
     Springs,
     /// St. Venant–Kirchhoff triangles with the modulus of the cloth; of a cloth that states a spring stiffness k, with
     /// the modulus that those springs have in the mean over all directions, `Y = k Σ n L²/(3A)` as in
-    /// [`Membrane::Modulus`], with half of k on the rim.
+    /// [`Membrane::Modulus`], with half of k on the boundary.
     Stvk {
         /// Poisson's ratio ν in (−1, 1) (dimensionless); 1/3 is that of springs.
         poisson_ratio: Real,

@@ -9,8 +9,8 @@ use crate::mesh::TriMesh;
 use crate::particles::Particles;
 use crate::topology::{EdgeTable, Midpoints};
 
-/// A cloth discretized on the edge midpoints of a mesh, ready for any solver that takes its elements: particle e is the middle
-/// of edge e.
+/// A cloth discretized on the edge midpoints of a mesh, ready for any solver that takes its elements: particle e is the
+/// middle of edge e.
 ///
 /// Masses are those of the mesh's triangles, a third of each at each of its midpoints. For vertices at `x`, the
 /// membrane costs at `midpoints.between(x)` what the same membrane costs at `x` on vertices, springs and triangles

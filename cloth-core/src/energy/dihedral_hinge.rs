@@ -1,8 +1,8 @@
 //! Bending by the angle between two triangles, with a rest angle.
 //!
 //! - E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
-//!   <https://doi.org/10.2312/SCA03/062-067>: the flexural energy `Σ (θₑ − θ̄ₑ)² ‖ē‖/h̄ₑ`, the bars meaning rest. h̄ₑ is
-//!   a third of the mean height of the two triangles, so `‖ē‖/h̄ₑ = 3e²/(A₀ + A₁)`.
+//!   <https://doi.org/10.2312/SCA03/062-067>: the flexural energy `Σ (θₑ − θ̄ₑ)² ‖ē‖/h̄ₑ`, the bars meaning rest. h̄ₑ
+//!   is a third of the mean height of the two triangles, so `‖ē‖/h̄ₑ = 3e²/(A₀ + A₁)`.
 //! - R. Bridson, S. Marino, R. Fedkiw, "Simulation of clothing with folds and wrinkles", SCA 2003,
 //!   <https://doi.org/10.2312/SCA03/028-036>: the force `Fᵢ = kₑ |E|²/(|N₁| + |N₂|) sin(θ/2) uᵢ`, where u₁…u₄ are
 //!   `∂θ/∂x`, and the normals N are twice an area long.

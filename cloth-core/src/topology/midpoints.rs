@@ -12,7 +12,8 @@ use crate::mesh::{MeshError, TriMesh};
 /// nonconforming elements (E. English, R. Bridson, "Animating developable surfaces using nonconforming elements", 2008,
 /// <https://doi.org/10.1145/1360612.1360665>).
 ///
-/// Limits: neighbouring triangles agree at one point of their edge, so the surface has gaps; [`Midpoints::vertices`] closes them for display and contact, by a mean.
+/// Limits: neighbouring triangles agree at one point of their edge, so the surface has gaps; [`Midpoints::vertices`]
+/// closes them for display and contact, by a mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Midpoints {
     mesh: TriMesh,

@@ -45,7 +45,7 @@ const SMALLEST: usize = 4;
 ///
 /// Vertices are left out one after another as long as every one left out keeps at least `parent_count` neighbours on
 /// the coarse level, its parents, and lies among them. On a boundary, of the sheet or of a hole, its two neighbours
-/// there are needed and are the parents. Vertices that `hold` names are kept.
+/// there are needed and are the parents. Vertices for which `keep` is true are kept.
 ///
 /// # Panics
 /// If `edges` was built from another mesh.
@@ -53,7 +53,7 @@ const SMALLEST: usize = 4;
 pub fn coarse_levels(
     mesh: &TriMesh,
     edges: &EdgeTable,
-    hold: impl Fn(u32) -> bool,
+    keep: impl Fn(u32) -> bool,
     parent_count: usize,
     most: usize,
 ) -> Vec<CoarseLevel> {
@@ -70,7 +70,7 @@ pub fn coarse_levels(
             prolongation,
             links,
             rim_links,
-        } = coarsen(&graph, |v| hold(of_mesh(v)), &place, parent_count);
+        } = coarsen(&graph, |v| keep(of_mesh(v)), &place, parent_count);
         let count = kept.len();
         if count < SMALLEST || 10 * count > 8 * graph.len() {
             break;

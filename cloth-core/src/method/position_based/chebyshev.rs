@@ -180,7 +180,7 @@ impl Recurrence {
                 if size < self.last {
                     self.radius = (size / self.last).sqrt().min(LARGEST_RADIUS);
                 } else {
-                    self.plain += 1; // nothing to be learnt from a correction that did not shrink
+                    self.plain += 1; // a correction that did not shrink tells nothing of ρ
                 }
             }
             return;
