@@ -118,7 +118,8 @@ pub trait ContactSource {
 /// accepted, and every straight path between two of them, is free of crossings.
 pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// Begins a step. `start` (m) is where the method would begin to iterate, with prescribed vertices where they will
-    /// end; free ones are taken back from there towards `step.from` as far as has to be, or led around what moves.
+    /// end; the displacements of free ones from `step.from` are truncated as far as has to be, or led around what
+    /// moves.
     ///
     /// # Errors
     /// If the start of the step is not in order, or prescribed vertices or obstacles have no free path.
@@ -149,12 +150,12 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// infinite where something touches.
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
 
-    /// Appends to `out` what the second derivative at `x` (m), a place on the last path, is made of, without what would
-    /// make it indefinite.
+    /// Appends to `out` the terms of the second derivative at `x` (m), a place on the last path, without those that
+    /// would make it indefinite.
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>);
 
-    /// The same of what couples more vertices than a [`ContactRow`] has: appends it to `out`. Most sources have nothing
-    /// like that, and leave it out; a method that has no place for it has to refuse a source that does.
+    /// The same of terms that couple more vertices than a [`ContactRow`] has: appends them to `out`. Most sources have
+    /// none, and leave it out; a method that cannot use them has to refuse a source that has some.
     fn linearize_globally(&self, x: &[Vec3], out: &mut GlobalRows) {
         let _ = (x, out);
     }
@@ -175,7 +176,7 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
 /// after the free flight, [`ContactConstraints::sweep`] last in each sweep, [`ContactConstraints::end_substep`] before
 /// the velocities follow from the positions and [`ContactConstraints::change_velocities`] after it;
 /// [`ContactConstraints::end_step`]. A step that ends with an error before that has not been taken, and the next
-/// `begin_step` takes everything back but what friction has remembered.
+/// `begin_step` resets everything but the state of friction.
 pub trait ContactConstraints {
     /// Begins a step.
     ///

@@ -119,10 +119,10 @@ pub trait RowArray<const N: usize>: sealed::Sealed + AsRef<[Row<N>]> + Copy {
     /// How many rows M.
     const LEN: usize;
 
-    /// `[T; M]`: what a method remembers of each row, a multiplier for instance.
+    /// `[T; M]`: what a method stores for each row, a multiplier for instance.
     type PerRow<T: Copy + Debug + Send + Sync>: AsRef<[T]> + AsMut<[T]> + Copy + Debug + Send + Sync;
 
-    /// The same memory for every row.
+    /// The same value for every row.
     fn per_row<T: Copy + Debug + Send + Sync>(value: T) -> Self::PerRow<T>;
 }
 impl<const N: usize, const M: usize> RowArray<N> for [Row<N>; M] {

@@ -68,7 +68,7 @@ impl GlobalRows {
         &self.rows[..self.len]
     }
 
-    /// Removes vertices that do not move.
+    /// Sets the gradients at vertices that do not move to zero.
     pub fn remove_fixed(&mut self, is_fixed: impl Fn(usize) -> bool) {
         for row in self.rows_mut() {
             for (gradient, &vertex) in row.gradient.iter_mut().zip(&row.vertices) {

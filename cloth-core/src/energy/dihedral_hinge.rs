@@ -37,7 +37,7 @@ pub enum HingeLaw {
 ///
 /// `θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)`, with `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e`.
 ///
-/// One row. By the first law `C = θ − θ₀` (rad), taken the short way round into [−π, π], so that `E` stays continuous
+/// One row. By the first law `C = θ − θ₀` (rad), wrapped into [−π, π], so that `E` stays continuous
 /// when a wing passes from π to −π; by the second the root of `2E/K`, with the sign of `θ − θ₀`. The gradient of θ is
 /// `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge by the lever rule:
 /// `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with `tᵢ = (xᵢ − x₀)·e/‖e‖²`.
@@ -131,7 +131,7 @@ impl DihedralHinge {
     /// C (rad) at the angle θ (rad), C′, and C C″.
     fn constraint(&self, angle: Real) -> [Real; 3] {
         match self.law {
-            HingeLaw::Angle => [short_way(angle - self.rest_angle), 1.0, 0.0],
+            HingeLaw::Angle => [wrapped(angle - self.rest_angle), 1.0, 0.0],
             HingeLaw::HalfSine => half_sine(angle, self.rest_angle),
         }
     }
@@ -245,8 +245,8 @@ fn turn(left: &Wing, right: &Wing) -> Real {
     sine.atan2(-left.normal.dot(&right.normal))
 }
 
-/// An angle (rad) taken the short way round, into [−π, π].
-fn short_way(angle: Real) -> Real {
+/// An angle (rad) wrapped into [−π, π].
+fn wrapped(angle: Real) -> Real {
     if angle > PI {
         angle - TAU
     } else if angle < -PI {

@@ -69,7 +69,7 @@ pub fn coarse_levels(
             kept,
             prolongation,
             links,
-            rim_links,
+            boundary_links,
         } = coarsen(&graph, |v| keep(of_mesh(v)), &place, parent_count);
         let count = kept.len();
         if count < SMALLEST || 10 * count > 8 * graph.len() {
@@ -78,7 +78,7 @@ pub fn coarse_levels(
         vertices = kept.iter().map(|&v| vertices[v as usize]).collect();
         let lengths = lengths(&mut geodesics, &links, &vertices);
         let measured = links.iter().copied().zip(lengths.iter().copied());
-        graph = Graph::new(count, measured, rim_links.into_iter());
+        graph = Graph::new(count, measured, boundary_links.into_iter());
         levels.push(CoarseLevel {
             vertices: vertices.clone(),
             kept,
