@@ -102,7 +102,7 @@
 //! | [`energy::CurvedHinge`] | a curved rest shape in projective dynamics | a fold must not snap through | θ₀ and −θ₀ are both at rest; at rest `cos²(θ₀/2)` of the stiffness, half at 90° |
 //! | [`energy::DihedralHinge`] | a curved rest shape, sharp folds | in projective dynamics; where triangles degenerate | the gradient grows as 1 over the height; by Bridson's law a full fold (θ = π) has 0.64 of the moment |
 //! | [`energy::CubicShell`] | a curved rest shape, with a polynomial | in PBD, XPBD, PD; a soft membrane | at rest it pulls outwards: `dE/ds = −3K` at θ₀ = 90° |
-//! | [`energy::MidpointHinge`] | stiff cloth without locking | a closed surface is wanted | three times as many coordinates, and gaps |
+//! | [`energy::MidpointHinge`] | stiff cloth without locking | a surface without gaps is wanted | three times as many coordinates, and gaps |
 //! | springs across hinges, [`energy::Spring::across`] | comparisons with older methods | a rigidity is given | half the fold costs 1/16 |
 //!
 //! # Errors
