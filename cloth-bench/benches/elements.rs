@@ -3,7 +3,7 @@
 //!
 //! The throughput that criterion prints is elements per second, so its inverse is the time of one.
 
-use cloth_core::cloth::{Cloth, Elements, Membrane, MembraneCarrier};
+use cloth_core::cloth::{Cloth, Elements, Membrane, MembraneElements};
 use cloth_core::element::{Constraint, Convexity, Energy, Projective};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
@@ -108,7 +108,7 @@ impl Sheet {
             membrane: Membrane::SpringStiffness(STIFFNESS),
             bending_rigidity: RIGIDITY,
         };
-        let cut = cloth.on_midpoints(MembraneCarrier::Springs, &self.mesh);
+        let cut = cloth.on_midpoints(MembraneElements::Springs, &self.mesh);
         let cut = cut.expect("a cloth on midpoints");
         let hinges = cut
             .model

@@ -33,7 +33,7 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::Diagonals;
 use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
-use cloth_core::pin::{Motion, Pins};
+use cloth_core::pin::{PinMotion, Pins};
 use cloth_core::step::BuildError;
 use cloth_core::topology::EdgeTable;
 use contact::{Contact, Surface};
@@ -297,7 +297,7 @@ impl Scene {
             && self
                 .model
                 .soft_pins()
-                .all(|pin| *pin.motion() == Motion::NONE)
+                .all(|pin| *pin.motion() == PinMotion::NONE)
             && self.volumes.is_empty()
             && !self.can_touch()
     }

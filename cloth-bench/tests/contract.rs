@@ -2,12 +2,12 @@
 
 #[path = "contract/air.rs"]
 mod air;
-#[path = "contract/carriers.rs"]
-mod carriers;
 #[path = "contract/common.rs"]
 mod common;
 #[path = "contract/contact.rs"]
 mod contact;
+#[path = "contract/discretization.rs"]
+mod discretization;
 #[path = "contract/energy.rs"]
 mod energy;
 #[path = "contract/momentum.rs"]

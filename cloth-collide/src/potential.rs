@@ -181,7 +181,7 @@
 //! | μ λ, n and weights, frozen at the start of the step | `Contacts::stick`, in `source` |
 //! | μ λ f(‖u‖) and its force μ λ f′(‖u‖) u/‖u‖ | `Sticking::add_gradient`, in `friction` |
 //! | its Hessian, along u/‖u‖ and n × u/‖u‖ | `Sticking::rows`, in `friction` |
-//! | ‖f‖ ≤ μ λ of a constraint, in each sweep | `RowState::project`, in `tangent` |
+//! | ‖f‖ ≤ μ λ of a constraint, in each sweep | `UnilateralConstraint::project`, in `tangent` |
 //! | Σ w ψ(d) of a vertex before a body, and its derivatives | `ObstacleContact`, in `obstacle_contact` |
 //! | which pairs can be near on a path | `near_pairs`, `sleeping` |
 //! | bodies behind the cloth | `surfaces` |

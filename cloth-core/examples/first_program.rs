@@ -1,12 +1,17 @@
-//! The energy of a cloth as plain loops over arrays, beside the families of elements that every method gets.
+//! The energy of a cloth as plain loops over arrays, beside the families of elements that every method gets; and one
+//! triangle with its Hessian, beside the element.
 //!
 //! `cargo run --release -p cloth-core --example first_program`
 
+use cloth_core::element::{Convexity, Energy};
+use cloth_core::energy::StvkTriangle;
 use cloth_core::topology::{EdgeTable, HingeTable};
 use cloth_core::{Cloth, Diagonals, Membrane, TriMesh, Vec3, grid};
 
 const STIFFNESS: f64 = 1e4; // N/m
 const RIGIDITY: f64 = 1e-3; // N·m
+const MODULUS: f64 = 1e3; // N/m
+const POISSON: f64 = 0.3;
 
 /// Energy (J) of springs on all edges and quadratic hinges across the inner ones, with its gradient (N).
 fn energy(mesh: &TriMesh, edges: &EdgeTable, hinges: &HingeTable, x: &[Vec3]) -> (f64, Vec<Vec3>) {
@@ -50,6 +55,54 @@ fn energy(mesh: &TriMesh, edges: &EdgeTable, hinges: &HingeTable, x: &[Vec3]) ->
     (energy, gradient)
 }
 
+/// Energy (J) of a St. Venant–Kirchhoff triangle at `x` (m), and its first and second derivative along `p` (m):
+/// `∂E·p` and `pᵀHp` (J). All are polynomials: `E = ½ Σ k C²`, so `∂E·p = Σ k C C′` and `pᵀHp = Σ k (C′² + C C″)`.
+fn triangle(rest: &[Vec3; 3], x: &[Vec3; 3], p: &[Vec3; 3]) -> [f64; 3] {
+    // The rest shape in its plane: the corners (0, 0), (a, 0) and (c, d).
+    let [u, v] = [rest[1] - rest[0], rest[2] - rest[0]];
+    let a = u.norm();
+    let (c, d) = (u.dot(&v) / a, u.cross(&v).norm() / a);
+    let area = 0.5 * a * d;
+    // The columns of F = [x₁ − x₀, x₂ − x₀] [[a, c], [0, d]]⁻¹, linear in x: along p they change by those of p.
+    let columns = |y: &[Vec3; 3]| {
+        let f = (y[1] - y[0]) / a;
+        [f, (y[2] - y[0] - f * c) / d]
+    };
+    let ([f, g], [f1, g1]) = (columns(x), columns(p));
+    let root = 2.0_f64.sqrt();
+    // C, C′, C″ and k of each row: the Green strain in the eigenbasis of the plane-stress matrix.
+    let rows = [
+        (
+            (f.dot(&f) + g.dot(&g) - 2.0) / (2.0 * root),
+            (f.dot(&f1) + g.dot(&g1)) / root,
+            (f1.dot(&f1) + g1.dot(&g1)) / root,
+            area * MODULUS / (1.0 - POISSON),
+        ),
+        (
+            (f.dot(&f) - g.dot(&g)) / (2.0 * root),
+            (f.dot(&f1) - g.dot(&g1)) / root,
+            (f1.dot(&f1) - g1.dot(&g1)) / root,
+            area * MODULUS / (1.0 + POISSON),
+        ),
+        (
+            f.dot(&g) / root,
+            (f.dot(&g1) + f1.dot(&g)) / root,
+            root * f1.dot(&g1),
+            area * MODULUS / (1.0 + POISSON),
+        ),
+    ];
+    let sum = |term: fn(f64, f64, f64) -> f64| {
+        rows.iter()
+            .map(|(c, c1, c2, k)| k * term(*c, *c1, *c2))
+            .sum()
+    };
+    [
+        sum(|c, _, _| 0.5 * c * c),
+        sum(|c, c1, _| c * c1),
+        sum(|c, c1, c2| c1 * c1 + c * c2),
+    ]
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating)?; // 1 m × 1 m
     let cloth = Cloth {
@@ -73,10 +126,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{naive:.6} J and {real:.6} J; the gradients differ by {apart:.1e} N of {largest:.1} N"
     );
     assert!((naive / real - 1.0).abs() < 1e-13 && apart < 1e-12 * largest);
+
+    let [rest, now] = [mesh.positions(), &x[..]].map(|y| [y[0], y[1], y[17]]);
+    let p = [[0.01, 0.0, 0.02], [-0.02, 0.01, 0.0], [0.0, 0.03, -0.01]].map(Vec3::from);
+    let naive = triangle(&rest, &now, &p);
+    let element = StvkTriangle::new([0, 1, 17], &rest, MODULUS, POISSON);
+    let along = |forces: [Vec3; 3]| forces.iter().zip(&p).map(|(f, p)| f.dot(p)).sum::<f64>();
+    let real = [
+        element.value(&now),
+        along(element.gradient(&now)),
+        along(element.hessian_product(&now, &p, Convexity::Exact)),
+    ];
+    println!("a triangle: E, ∂E·p and pᵀHp are {naive:.6?} J and {real:.6?} J");
+    for (naive, real) in naive.iter().zip(real) {
+        assert!((naive / real - 1.0).abs() < 1e-12, "{naive} {real}");
+    }
     Ok(())
 }
 
 #[test]
-fn the_naive_loops_and_the_families_give_the_same_energy() {
+fn the_naive_formulas_and_the_elements_agree() {
     main().unwrap();
 }

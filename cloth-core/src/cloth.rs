@@ -1,10 +1,10 @@
 //! One description of a cloth in SI units, from which every method gets its constants.
 //!
-//! A [`Cloth`] says what the cloth is: mass, modulus, rigidity. [`Discretization`] says which elements carry it. A
-//! [`ClothModel`] is both cut to a mesh, a list of families of [`Elements`] for the builder of any solver:
+//! A [`Cloth`] says what the cloth is: mass, modulus, rigidity. [`Discretization`] says which elements stand for it. A
+//! [`ClothModel`] is the cloth discretized on a mesh, a list of families of [`Elements`] for the builder of any solver:
 //!
 //! ```
-//! use cloth_core::cloth::{BendingCarrier, Discretization, Cloth, Membrane, MembraneCarrier};
+//! use cloth_core::cloth::{BendingElements, Discretization, Cloth, Membrane, MembraneElements};
 //! use cloth_core::mesh::generate::{Diagonals, grid};
 //!
 //! let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating)?;
@@ -16,8 +16,8 @@
 //! let springs = cotton.on(&mesh)?;
 //! let triangles = cotton.discretized_with(
 //!     &Discretization {
-//!         membrane: MembraneCarrier::Stvk { poisson_ratio: 1.0 / 3.0 },
-//!         bending: BendingCarrier::Dihedral,
+//!         membrane: MembraneElements::Stvk { poisson_ratio: 1.0 / 3.0 },
+//!         bending: BendingElements::Dihedral,
 //!         ..Discretization::default()
 //!     },
 //!     &mesh,
@@ -52,19 +52,19 @@
 //! F. T. Peirce, "The 'handle' of cloth as a measurable quantity", J. Textile Institute 21, 1930, T377–T416,
 //! <https://doi.org/10.1080/19447023008661529>.
 
-mod carriers;
-mod detail;
+mod coarse_membrane;
+mod discretization;
 mod elements;
+mod locking_remedies;
 mod midpoints;
 mod pieces;
-mod relief;
 
-pub use carriers::{BendingCarrier, Discretization, MembraneCarrier};
-pub use detail::CoarseMembrane;
+pub use coarse_membrane::CoarseMembrane;
+pub use discretization::{BendingElements, Discretization, MembraneElements};
 pub use elements::{ConstraintVisitor, Elements, EnergyVisitor, ProjectiveVisitor};
+pub use locking_remedies::{SpringEdges, SpringLaw};
 pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
-pub use relief::{SpringEdges, SpringLaw};
 
 use crate::energy::{CurvatureHinge, Seam, SoftPin, Spring, Stitch};
 use crate::error::{OutOfRange, not_negative};
@@ -80,15 +80,15 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Membrane {
     /// The same spring stiffness k (N/m) on every edge. What modulus that makes depends on the pattern of the mesh, and
-    /// a little on its size: the rim, which stands for half a cell, has the whole k too. A sheet of n cells across the
-    /// pull is stiffer by about k/n, 3/(4n) of its modulus `4k/3` on the alternating grid. [`Membrane::Modulus`] has no
-    /// such part.
+    /// a little on its size: the boundary, which stands for half a cell, has the whole k too. A sheet of n cells across
+    /// the pull is stiffer by about k/n, 3/(4n) of its modulus `4k/3` on the alternating grid. [`Membrane::Modulus`]
+    /// has no such part.
     SpringStiffness(Real),
     /// Membrane modulus Y (N/m): Young's modulus times thickness.
     ///
     /// Every edge gets `k = 3 Y A/Σ n L²`, with A the area of the mesh and n half the number of triangles at an edge (1
-    /// inside, ½ on the rim); rim edges get half of it. Then the springs, averaged over all directions, make an
-    /// isotropic sheet of modulus Y and Poisson's ratio 1/3. For the equilateral lattice (`Y = 2k/√3`) and the
+    /// inside, ½ on the boundary); boundary edges get half of it. Then the springs, averaged over all directions, make
+    /// an isotropic sheet of modulus Y and Poisson's ratio 1/3. For equilateral triangles (`Y = 2k/√3`) and the
     /// alternating grid (`Y = 4k/3`) it is exact in every direction.
     Modulus(Real),
 }
@@ -104,14 +104,14 @@ pub struct Cloth {
     pub bending_rigidity: Real,
 }
 
-/// A cloth cut to a mesh: masses and elements, ready for any solver.
+/// A cloth discretized on a mesh: masses and elements, ready for any solver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClothModel {
     /// Masses; pin vertices here before building a solver.
     pub particles: Particles,
-    /// Structural springs, one per edge; none if something else carries the membrane.
+    /// Structural springs, one per edge; none if other elements resist stretching.
     pub springs: Vec<Spring>,
-    /// Quadratic hinges, one per inner edge; none if the rigidity is 0 or something else carries the bending.
+    /// Quadratic hinges, one per inner edge; none if the rigidity is 0 or other elements resist bending.
     pub hinges: Vec<CurvatureHinge>,
     /// Elements of every other kind, and springs that are not structural.
     pub others: Vec<Elements>,
@@ -133,17 +133,17 @@ impl Cloth {
     /// cloth or the mesh.
     pub fn discretized_with(
         &self,
-        carriers: &Discretization,
+        discretization: &Discretization,
         mesh: &TriMesh,
     ) -> Result<ClothModel, ClothError> {
         let particles = Particles::from_areal_density(mesh, self.areal_density)?;
         let edges = EdgeTable::build(mesh)?;
-        let cut = carriers.cut(self, mesh, &edges)?;
+        let elements = discretization.elements(self, mesh, &edges)?;
         Ok(ClothModel {
             particles,
-            springs: cut.springs,
-            hinges: cut.hinges,
-            others: cut.others,
+            springs: elements.springs,
+            hinges: elements.hinges,
+            others: elements.others,
         })
     }
 }
@@ -209,7 +209,7 @@ impl ClothModel {
             .collect()
     }
 
-    /// Adds elements that are not cut from the mesh: [`Elements::Links`], [`Elements::SoftPins`] and stitches; empty
+    /// Adds elements that do not come from the mesh: [`Elements::Links`], [`Elements::SoftPins`] and stitches; empty
     /// families are dropped. Whether their vertices exist is checked where the energies or a solver are built. Elements
     /// of another kind are added too, but are none of the [`ClothModel::fastenings`].
     pub fn fasten(&mut self, fastenings: impl IntoIterator<Item = Elements>) {
@@ -220,7 +220,7 @@ impl ClothModel {
         }
     }
 
-    /// The elements that are not cut from the mesh.
+    /// The elements that do not come from the mesh.
     pub fn fastenings(&self) -> impl Iterator<Item = &Elements> + '_ {
         self.others.iter().filter(|family| {
             matches!(
@@ -293,10 +293,10 @@ impl ClothModel {
     }
 }
 
-/// The range of a part of a whole.
+/// The range of a fraction.
 const FRACTION: &str = "at least 0 and at most 1";
 
-/// Why a cloth could not be cut to a mesh.
+/// Why a cloth could not be discretized on a mesh.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ClothError {
@@ -312,10 +312,11 @@ pub enum ClothError {
     ShearWithoutStiffness,
     /// Shear springs were asked for on a mesh where no two triangles form a rectangle.
     NoRectangles,
-    /// Another law of springs, or springs on some edges only, were asked for where no springs stand on the edges alone.
-    ReliefWithoutSprings,
-    /// A coarse level was asked for where the membrane is not made of linear springs on all edges alone.
-    DetailWithoutSprings,
+    /// Another law of springs, or springs on some edges only, were asked for where the membrane is not made of springs
+    /// on edges alone.
+    LockingRemedyWithoutSprings,
+    /// A [`CoarseMembrane`] was asked for where the membrane is not made of linear springs on all edges alone.
+    CoarseMembraneWithoutSprings,
     /// The mesh has no such coarse level.
     NoSuchLevel {
         /// The one asked for, from 1.
@@ -329,8 +330,8 @@ pub enum ClothError {
     NoSuchTriangle(u32),
     /// Two pieces name the same triangle.
     InTwoPieces(u32),
-    /// A coarse level was asked for a piece that is not the whole mesh.
-    DetailOfPiece,
+    /// A [`CoarseMembrane`] was asked for a piece that is not the whole mesh.
+    CoarseMembraneOfPiece,
     /// Edges cannot be left out as asked for.
     DofFraction {
         /// The fraction of all coordinates that was to be free.
@@ -351,24 +352,28 @@ impl fmt::Display for ClothError {
                 "Poisson's ratio is {value}, but it has to be above -1 and below 1"
             ),
             Self::ShearWithoutStiffness => f.write_str(
-                "shear springs stand beside springs of a given stiffness, not beside triangles or springs made from a modulus",
+                "shear springs stand beside springs of a given stiffness, not beside triangles or springs made from a \
+                 modulus",
             ),
             Self::NoRectangles => f.write_str(
                 "no two triangles of the mesh form a rectangle that shear springs could cross",
             ),
-            Self::ReliefWithoutSprings => f.write_str(
-                "slack, weaker springs under compression and springs on some edges only are for a membrane of springs on edges, not beside shear springs, and of triangles ARAP ones alone have slack",
+            Self::LockingRemedyWithoutSprings => f.write_str(
+                "slack, weaker springs under compression and springs on some edges only are for a membrane of springs \
+                 on edges, not beside shear springs, and of triangles ARAP ones alone have slack",
             ),
-            Self::DetailWithoutSprings => f.write_str(
-                "a coarse level carries a cloth of linear springs on all edges, not one of triangles, and not beside shear springs or another remedy",
+            Self::CoarseMembraneWithoutSprings => f.write_str(
+                "a coarse level of links is for a membrane of linear springs on all edges, not one of triangles, and \
+                 not beside shear springs or another remedy against locking",
             ),
             Self::NoSuchLevel { level, most } => write!(
                 f,
-                "coarse level {level} is to carry the cloth, but the mesh has levels from 1 to {most}"
+                "coarse level {level} is asked for, but the mesh has levels from 1 to {most}"
             ),
             Self::SlackRange([shortest, longest]) => write!(
                 f,
-                "springs are slack from {shortest} to {longest} of their length, but the range has to hold 1 and begin at 0 or above"
+                "springs are slack from {shortest} to {longest} of their length, but the range has to hold 1 and begin \
+                 at 0 or above"
             ),
             Self::NoSuchTriangle(triangle) => {
                 write!(f, "a piece has triangle {triangle}, which the mesh does not have")
@@ -376,12 +381,13 @@ impl fmt::Display for ClothError {
             Self::InTwoPieces(triangle) => {
                 write!(f, "triangle {triangle} is named twice, but it can be in one piece only")
             }
-            Self::DetailOfPiece => f.write_str(
-                "a coarse level carries a whole mesh, not one piece of several",
+            Self::CoarseMembraneOfPiece => f.write_str(
+                "a coarse level of links is for a whole mesh, not for one piece of several",
             ),
             Self::DofFraction { fraction, most } => write!(
                 f,
-                "a fraction of {fraction} of the coordinates is to be free, but it has to lie between 0 and {most}: every triangle keeps two edges"
+                "a fraction of {fraction} of the coordinates is to be free, but it has to lie between 0 and {most}: \
+                 every triangle keeps two edges"
             ),
         }
     }

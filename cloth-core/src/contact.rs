@@ -118,22 +118,24 @@ pub trait ContactSource {
 /// accepted, and every straight path between two of them, is free of crossings.
 pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// Begins a step. `start` (m) is where the method would begin to iterate, with prescribed vertices where they will
-    /// end; free ones are taken back from there towards `step.from` as far as has to be, or led around what moves.
+    /// end; the displacements of free ones from `step.from` are truncated as far as has to be, or led around what
+    /// moves.
     ///
     /// # Errors
     /// If the start of the step is not in order, or prescribed vertices or obstacles have no free path.
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
-    /// The part of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for
-    /// places on that part, until the next call. Below 1 it need not mean a contact: long paths are looked at in parts.
+    /// The fraction of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready
+    /// for places up to there, until the next call. Below 1 it need not mean a contact: of a long path only the
+    /// beginning is tested.
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError>;
 
-    /// The same for each vertex by itself, so that one contact does not hold back what is far from it: takes vertices
-    /// back on their straight paths from `from` to `to` (m) until all paths together are safe, and gets ready for
-    /// places on them. `parts` becomes what is left of each path (dimensionless, 0..=1).
+    /// The same for each vertex by itself, so that one contact does not stop what is far from it: truncates the
+    /// displacements of vertices, which go on straight paths from `from` to `to` (m) until all paths together are safe,
+    /// and gets ready for places on them. `fractions` becomes what is left of each path (dimensionless, 0..=1).
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].
@@ -141,19 +143,19 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
         &mut self,
         from: &[Vec3],
         to: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError>;
 
     /// Adds the gradient (N) of the energy at `x` (m), a place on the last path, to `out`, and returns the energy (J);
     /// infinite where something touches.
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
 
-    /// Appends to `out` what the second derivative at `x` (m), a place on the last path, is made of, without what would
-    /// make it indefinite.
+    /// Appends to `out` the terms of the second derivative at `x` (m), a place on the last path, without those that
+    /// would make it indefinite.
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>);
 
-    /// The same of what couples more vertices than a [`ContactRow`] has: appends it to `out`. Most sources have nothing
-    /// like that, and leave it out; a method that has no place for it has to refuse a source that does.
+    /// The same of terms that couple more vertices than a [`ContactRow`] has: appends them to `out`. Most sources have
+    /// none, and leave it out; a method that cannot use them has to refuse a source that has some.
     fn linearize_globally(&self, x: &[Vec3], out: &mut GlobalRows) {
         let _ = (x, out);
     }
@@ -174,7 +176,7 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
 /// after the free flight, [`ContactConstraints::sweep`] last in each sweep, [`ContactConstraints::end_substep`] before
 /// the velocities follow from the positions and [`ContactConstraints::change_velocities`] after it;
 /// [`ContactConstraints::end_step`]. A step that ends with an error before that has not been taken, and the next
-/// `begin_step` takes everything back but what friction has remembered.
+/// `begin_step` resets everything but the state of friction.
 pub trait ContactConstraints {
     /// Begins a step.
     ///
@@ -273,7 +275,7 @@ impl Projection {
     }
 }
 
-/// One part of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four
+/// One term of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four
 /// vertices, `J_i = w_i n`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactRow {
@@ -327,7 +329,7 @@ pub enum ContactError {
         /// 1/kg.
         inverse_mass: Real,
     },
-    /// The step starts with parts that pass through each other, so there is nothing to keep.
+    /// The step starts with triangles that cross each other, so there is no promise to keep.
     IntersectingStart {
         /// Number of pairs of triangles that do.
         pairs: usize,
@@ -367,7 +369,8 @@ impl fmt::Display for ContactError {
                 inverse_mass,
             } => write!(
                 f,
-                "contact was told an inverse mass of {inverse_mass} 1/kg for vertex {vertex}; it is 0 or a positive finite number"
+                "contact was told an inverse mass of {inverse_mass} 1/kg for vertex {vertex}; it is 0 or a positive \
+                 finite number"
             ),
             Self::IntersectingStart {
                 pairs,
@@ -383,7 +386,7 @@ impl fmt::Display for ContactError {
             }
             Self::Infeasible { vertex } => write!(
                 f,
-                "prescribed vertices or obstacles leave no free way to vertex {vertex}"
+                "prescribed vertices or obstacles leave no free path to vertex {vertex}"
             ),
         }
     }

@@ -80,9 +80,9 @@
 //! The rank is the number of singular values of J above a threshold. `JᵀJ` is the Gauss–Newton Hessian of unit springs,
 //! so it is assembled by the code that assembles all Hessians, and its eigenvalues are counted by [`Inertia`] down to
 //! [`COUNTED_ABOVE`]. Of a smoothly bent sheet the smallest singular value decreases fast with the number of vertices
-//! (a jittered sheet of 20 000 has one of 6e-7), so what lies below is looked at one by one where it is not many.
+//! (a jittered sheet of 20 000 has one of 6e-7), so those below are computed one by one if they are few.
 
-mod weakest;
+mod smallest;
 
 use crate::element::Convexity;
 use crate::energy::Spring;
@@ -101,7 +101,7 @@ pub const RANK_THRESHOLD: Real = 1e-9;
 /// there are more, as on a flat sheet, all are taken for zero.
 pub const COUNTED_ABOVE: Real = 1e-6;
 
-/// So many singular values below [`COUNTED_ABOVE`] are computed one by one.
+/// At most this many singular values below [`COUNTED_ABOVE`] are computed one by one.
 pub const MOST_WEAK: usize = 64;
 
 /// Rank of the edge-length Jacobian at one configuration.
@@ -148,7 +148,7 @@ impl EdgeRank {
         let counted = above(COUNTED_ABOVE)?;
         let uncounted = pairs.len() - counted;
         let mut weak = if (1..=MOST_WEAK).contains(&uncounted) {
-            weakest::smallest(positions, pairs, uncounted)?
+            smallest::singular_values(positions, pairs, uncounted)?
         } else {
             Vec::new()
         };

@@ -119,10 +119,10 @@ pub trait RowArray<const N: usize>: sealed::Sealed + AsRef<[Row<N>]> + Copy {
     /// How many rows M.
     const LEN: usize;
 
-    /// `[T; M]`: what a method remembers of each row, a multiplier for instance.
+    /// `[T; M]`: what a method stores for each row, a multiplier for instance.
     type PerRow<T: Copy + Debug + Send + Sync>: AsRef<[T]> + AsMut<[T]> + Copy + Debug + Send + Sync;
 
-    /// The same memory for every row.
+    /// The same value for every row.
     fn per_row<T: Copy + Debug + Send + Sync>(value: T) -> Self::PerRow<T>;
 }
 impl<const N: usize, const M: usize> RowArray<N> for [Row<N>; M] {
@@ -155,7 +155,8 @@ mod sealed {
 pub enum Convexity {
     /// Keep them: the true second derivative.
     Exact,
-    /// Set them to zero.
+    /// Set them to zero (J. Teran, E. Sifakis, G. Irving, R. Fedkiw, "Robust quasistatic finite elements and flesh
+    /// simulation", SCA 2005, <https://doi.org/10.1145/1073368.1073394>).
     #[default]
     Clamp,
     /// Take their absolute value: a matrix that resists leaving the point in every direction in which the energy is
@@ -291,7 +292,7 @@ pub trait Constraint<const N: usize>: Element<N> {
 
     /// The rows at `x` (m) as they are without their dead zones, if they have such: see [`DeadZoneRow`].
     /// [`Constraint::rows`] are then their [`DeadZoneRow::row`]. An element whose rows vanish beyond one side, a limit
-    /// or a contact, has to say so here, or a sweep with multipliers cannot let go of it.
+    /// or a contact, has to say so here, or a sweep with multipliers cannot make it inactive again.
     #[inline(always)]
     fn dead_zone_rows(
         &self,

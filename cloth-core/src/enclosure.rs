@@ -1,4 +1,4 @@
-//! What is inside a closed piece of cloth, of which the cloth knows the volume V.
+//! Gas and other fillings inside a closed surface of cloth, with its volume V.
 //!
 //! - [`Pressure`]: a gas that a pump keeps at one pressure. It is a load from outside.
 //! - [`ClosedVolume`]: a filling that resists a change of V, an energy ½ k (V − V*)². It couples all vertices of the
@@ -27,10 +27,10 @@ use std::fmt;
 pub enum EnclosureError {
     /// A number is out of its range.
     OutOfRange(OutOfRange),
-    /// The surface has a border, along this edge.
+    /// The surface has a boundary, along this edge.
     Open([u32; 2]),
     /// The triangles at this edge face different ways.
-    Disagree([u32; 2]),
+    InconsistentlyOriented([u32; 2]),
     /// The surface encloses nothing.
     Empty,
     /// The mesh does not serve.
@@ -43,9 +43,9 @@ impl fmt::Display for EnclosureError {
             Self::OutOfRange(error) => write!(f, "the {error}"),
             Self::Open([a, b]) => write!(
                 f,
-                "what is inside would escape: the surface has a border between vertices {a} and {b}"
+                "what is inside would escape: the surface has a boundary between vertices {a} and {b}"
             ),
-            Self::Disagree([a, b]) => write!(
+            Self::InconsistentlyOriented([a, b]) => write!(
                 f,
                 "there is no inside: the triangles between vertices {a} and {b} face different ways"
             ),

@@ -78,14 +78,32 @@
 //!
 //! # Limits
 //!
+//! - Stiff edges *lock* a mesh: how much of a fold each membrane, mesh and remedy leaves is measured in `dof`.
 //! - Double precision throughout; the scalar is chosen in [`math`] and nowhere else.
 //! - Cloth is isotropic: one modulus, one rigidity, no warp and weft. Of shear, only [`cloth::Discretization`] has a
 //!   stiffness of its own, for rectangular cells. The stretch and shear conditions of Baraff and Witkin are not among
 //!   the elements.
-//! - A [`cloth::Cloth`] is cut to springs, whose modulus depends on the pattern of the mesh ([`cloth::Membrane`]), and
-//!   to quadratic hinges, which are flat at rest, unless [`cloth::Discretization`] chooses other elements of
-//!   [`energy`]. Hinges have a Poisson's ratio of their own, which the pattern of the mesh decides: −1/3 on equilateral
-//!   triangles.
+//! - A [`cloth::Cloth`] is discretized with springs, whose modulus depends on the pattern of the mesh
+//!   ([`cloth::Membrane`]), and with quadratic hinges, which are flat at rest, unless [`cloth::Discretization`] chooses
+//!   other elements of [`energy`]. Hinges have a Poisson's ratio of their own, which the pattern of the mesh decides:
+//!   −1/3 on equilateral triangles.
+//!
+//! # When not to use it
+//!
+//! For a solid, or a sheet whose warp and weft differ; and an element outside of its range:
+//!
+//! | element | take it for | not where | figure |
+//! |---|---|---|---|
+//! | [`energy::Spring`] | most cloth: cheapest, every method takes it | ν or the shear modulus matters | ν = 1/3 and ⅜ Y, whatever the cloth |
+//! | [`energy::StvkTriangle`] | any ν, any mesh | cloth is pressed hard, or pulled far | below 1/√3 of its length the force falls; at 1.2 times it is 1.32 times `Y (s − 1)` |
+//! | [`energy::ArapTriangle`] | triangles for projective dynamics | ν matters, or stiff cloth has to fold | ν = 0; of a fold that a mesh hinders it reaches 0.33, StVK 0.51 ([locking](#limits)) |
+//! | [`energy::StrainLimitSpring`], [`energy::StrainLimitTriangle`] | cloth that yields, then holds | a hard limit is wanted | a load f stretches a spring by f/k beyond it |
+//! | [`energy::CurvatureHinge`] | cloth that is flat at rest: constant Hessian | the rest shape is curved, or the membrane soft | 10 % of stretch in all directions cost 21 % more energy in the same fold |
+//! | [`energy::CurvedHinge`] | a curved rest shape in projective dynamics | a fold must not snap through | θ₀ and −θ₀ are both at rest; at rest `cos²(θ₀/2)` of the stiffness, half at 90° |
+//! | [`energy::DihedralHinge`] | a curved rest shape, sharp folds | in projective dynamics; where triangles degenerate | the gradient grows as 1 over the height; by Bridson's law a full fold (θ = π) has 0.64 of the moment |
+//! | [`energy::CubicShell`] | a curved rest shape, with a polynomial | in PBD, XPBD, PD; a soft membrane | at rest it pulls outwards: `dE/ds = −3K` at θ₀ = 90° |
+//! | [`energy::MidpointHinge`] | stiff cloth without locking | a surface without gaps is wanted | three times as many coordinates, and gaps |
+//! | springs across hinges, [`energy::Spring::across`] | comparisons with older methods | a rigidity is given | half the fold costs 1/16 |
 //!
 //! # Errors
 //!

@@ -64,7 +64,7 @@ pub fn length_and_direction(d: Vec3, pair: [u32; 2]) -> (Real, Vec3) {
 /// negative eigenvalues: `n nᵀ + (1 − rest/l)(I − n nᵀ)`, the second part only where l > rest.
 #[inline]
 #[must_use]
-pub fn radial_resistance(length: Real, n: Vec3, rest: Real) -> Mat3 {
+pub fn projected_radial_hessian(length: Real, n: Vec3, rest: Real) -> Mat3 {
     let across = match length {
         _ if rest == 0.0 => 1.0, // ½ l² is smooth, also at 0
         _ if length > rest => 1.0 - rest / length,

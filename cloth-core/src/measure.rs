@@ -82,7 +82,7 @@ pub fn angular_momentum(particles: &Particles, state: &State) -> Vec3 {
         .sum()
 }
 
-/// Mean position weighted by mass (m); not a number if there is no vertex.
+/// Mean position weighted by mass (m); NaN if there is no vertex.
 ///
 /// # Panics
 /// If there is not one entry per vertex.
@@ -220,7 +220,7 @@ impl IncrementalPotential<'_> {
     /// `G` these are the elastic ones.
     ///
     /// Where E is convex the Hessian of G is at least `M/Δt²`. So `‖∇G(x)‖ ≤ δ ‖M (x − x̃)/Δt²‖` says that x is no
-    /// farther from the minimum than the part δ of what it is from x̃, both in the metric of M, and that G is above its
+    /// farther from the minimum than δ times its distance from x̃, both in the metric of M, and that G is above its
     /// minimum by at most `δ²` times `‖x − x̃‖²_M/(2Δt²)`.
     ///
     /// # Panics

@@ -1,4 +1,4 @@
-//! The rest shape of a cloth: rest positions and triangles, checked once at the door.
+//! The rest shape of a cloth: rest positions and triangles, checked once, where it is made.
 
 use crate::error::OutOfRange;
 use crate::math::{Real, Vec3};

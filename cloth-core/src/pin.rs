@@ -11,7 +11,7 @@ type Path = Arc<dyn Fn(Real) -> Vec3 + Send + Sync>;
 
 /// A turn about an axis and a shift at the same time, at a constant rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct PinMotion {
     /// The whole shift (m).
     pub shift: Vec3,
     /// The whole rotation (rad): its direction is the axis, its length the angle.
@@ -22,7 +22,7 @@ pub struct Motion {
     pub duration: Real,
 }
 
-impl Motion {
+impl PinMotion {
     /// Rest.
     pub const NONE: Self = Self {
         shift: Vec3::new(0.0, 0.0, 0.0),

@@ -248,7 +248,7 @@ pub struct StepReport {
     /// Substeps that gave up their Chebyshev extrapolation, because it made the corrections grow or something can be
     /// touched, and went on with plain sweeps.
     pub chebyshev_fallbacks: u32,
-    /// Times that the step was taken again with more substeps, because it would have gained energy.
+    /// Times that the step was repeated with more substeps, because it would have gained energy.
     pub refinements: u32,
     /// Coarse grids made, or made anew because pins or elements had changed.
     pub coarse_builds: u32,
@@ -442,7 +442,8 @@ impl fmt::Display for StepError {
                 step,
             } => write!(
                 f,
-                "the line search of step {step} stalled in iteration {iteration} at a relative gradient of {residual:.3e}"
+                "the line search of step {step} stalled in iteration {iteration} at a relative gradient of \
+                 {residual:.3e}"
             ),
         }
     }

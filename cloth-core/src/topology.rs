@@ -23,8 +23,8 @@
 //! | edges and their triangles | [`EdgeTable::build`] |
 //! | edges of a triangle | [`triangle_edges`] |
 //! | pairs of triangles that bend against each other | [`HingeTable::build`] |
-//! | boundary as closed walks | [`boundary_loops`] |
-//! | pieces | [`components`] |
+//! | boundary as loops | [`boundary_loops`] |
+//! | connected components | [`components`] |
 //! | V, E, F, E_b, χ, 3V − E | [`Topology::of`] |
 //! | edges across which the winding turns over | [`inconsistently_oriented_edges`] |
 //! | vertices where separate fans touch | [`bow_tie_vertices`] |
@@ -39,22 +39,22 @@
 //! consistent winding at all. They are reported instead.
 
 mod boundary;
+mod components;
 mod edges;
 mod hinges;
 mod midpoints;
-mod pieces;
-mod thin;
+mod removable;
 
 pub use boundary::boundary_loops;
+pub use components::{DisjointSets, bow_tie_vertices, components};
 pub use edges::{EdgeTable, NONE, inconsistently_oriented_edges, triangle_edges};
 pub use hinges::HingeTable;
 pub use midpoints::Midpoints;
-pub use pieces::{DisjointSets, bow_tie_vertices, components};
-pub use thin::removable_edges;
+pub use removable::removable_edges;
 
 use crate::mesh::TriMesh;
 
-/// The counts of a mesh (all dimensionless), see the [module](self) for how they hang together.
+/// The counts of a mesh (all dimensionless), see the [module](self) for how they depend on each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Topology {
     /// Number of vertices V.
@@ -67,9 +67,9 @@ pub struct Topology {
     pub boundary_edges: usize,
     /// Euler characteristic χ = V − E + F.
     pub euler: i64,
-    /// Number of pieces; triangles that share a vertex belong to one piece.
+    /// Number of connected components; triangles that share a vertex are in one.
     pub components: usize,
-    /// Number of closed walks the boundary consists of.
+    /// Number of loops of the boundary.
     pub boundary_loops: usize,
     /// 3V − E = 3χ + E_b: coordinates minus edge lengths.
     pub count_3v_e: i64,
@@ -83,14 +83,14 @@ impl Topology {
     #[must_use]
     pub fn of(mesh: &TriMesh, edges: &EdgeTable) -> Self {
         let [v, e, f] = [mesh.vertex_count(), edges.len(), mesh.triangle_count()];
-        let pieces = components(mesh.vertex_count(), edges);
+        let labels = components(mesh.vertex_count(), edges);
         Self {
             vertices: v,
             edges: e,
             faces: f,
             boundary_edges: edges.boundary_edge_count(),
             euler: v as i64 - e as i64 + f as i64,
-            components: pieces.iter().max().map_or(0, |&last| last as usize + 1),
+            components: labels.iter().max().map_or(0, |&last| last as usize + 1),
             boundary_loops: boundary_loops(mesh, edges).len(),
             count_3v_e: 3 * v as i64 - e as i64,
         }

@@ -283,7 +283,7 @@
 //! | a sheet that hangs taut from a long support | a [`Hierarchy`], one correction a substep |
 //! | cloth that hangs from few anchors, few sweeps | [long-range attachments](#long-range-attachments) |
 //! | a chain of N hard links, a sheet by an edge with N in a column, tens of sweeps and more | over-relaxation, [`Acceleration::relaxation`] of 2/(1 + sin(π/2N)); with few supports it saves [far less](#acceleration) |
-//! | Poisson's ratio, or a modulus alike in all directions on any mesh | the strains of a triangle in place of springs: `MembraneCarrier::Stvk` in [`Cloth::discretized_with`](cloth_core::Cloth::discretized_with); as soft as the limits say; three powers a visit (w̃ is not constant), not timed |
+//! | Poisson's ratio, or a modulus alike in all directions on any mesh | the strains of a triangle in place of springs: `MembraneElements::Stvk` in [`Cloth::discretized_with`](cloth_core::Cloth::discretized_with); as soft as the limits say; three powers a visit (w̃ is not constant), not timed |
 //! | a bound on stretch, after this or another method | [`WithStrainLimit`] |
 //! | a soft material | substeps until `k h² w̃ ≪ 1`, or [another method](#when-not-to-use-this-method) |
 //! | the order of the elements must not count | Jacobi, averaged, with Chebyshev |

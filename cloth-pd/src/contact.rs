@@ -91,7 +91,8 @@ impl ContactSystem {
             }
         }
         contact.linearize_globally(x, &mut self.global);
-        self.global.hold(|vertex| particles.is_prescribed(vertex));
+        self.global
+            .remove_fixed(|vertex| particles.is_prescribed(vertex));
     }
 
     /// Whether nothing but the constant matrix is left.

@@ -31,9 +31,7 @@
 //! need is in [`cloth_core`], re-exported here:
 //!
 //! ```
-//! use cloth_xpbd::cloth_core::cloth::{Cloth, Membrane};
-//! use cloth_xpbd::cloth_core::measure::Strain;
-//! use cloth_xpbd::cloth_core::mesh::generate::{Diagonals, grid};
+//! use cloth_xpbd::cloth_core::{Cloth, Diagonals, Membrane, grid, measure::Strain};
 //! use cloth_xpbd::{State, StepInput, Stepper, SubstepRule, Vec3, XpbdConfig, XpbdSolver};
 //!
 //! let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating)?;
@@ -172,16 +170,10 @@
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`:
-//!
-//! ```text
-//! Δλ ← −residual/(w̃ + α̃)         residual = C + α̃ λ, from update.rs
-//! λ ← λ + Δλ
-//! for each vertex i of the row:  xᵢ ← xᵢ + wᵢ ∂C/∂xᵢ Δλ
-//! ```
-//!
-//! `coupled_correction` solves the rows of an element together, `dead_zone_correction` projects λ of limits, and the
-//! other two are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves the gradient
-//! `d/l` undivided and computes `Δλ/l = −(C + α̃λ)/((w̃ + α̃) l)`, so that one division does for two.
+//! `Δλ ← −residual/(w̃ + α̃)` with the residual C + α̃λ from `update.rs`. `coupled_correction` solves the rows of an
+//! element together, `dead_zone_correction` projects λ of limits, and the other two are the same for rows of a special
+//! shape. For a spring, `unit_row_correction` leaves the gradient `d/l` undivided and computes
+//! `Δλ/l = −(C + α̃λ)/((w̃ + α̃) l)`, so that one division does for two.
 //!
 //! # Units
 //! | element | C | k | α = 1/k | λ |
@@ -196,16 +188,15 @@
 //!
 //! `α̃ = α/h²` and `w̃` have the same unit, u²/(kg m²); their ratio `k h² w̃` says how stiff a row is *for this step*:
 //! much above 1 it acts as a hard constraint, much below 1 one visit hardly matters. Elements take k, not α, and derive
-//! it from the material: Y (N/m), Young's modulus times thickness, and D (N m), the bending rigidity. Springs get
-//! k = ¾ Y inside the alternating grid, half of that on its rim, which makes an isotropic sheet of ν = 1/3 and a shear
+//! it from the material: Y (N/m), Young's modulus times thickness, and D (N m), the bending rigidity. Springs get k = ¾
+//! Y inside the alternating grid, half of that on its boundary, which makes an isotropic sheet of ν = 1/3 and a shear
 //! modulus of ⅜ Y ([`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus)). Infinite k is a hard row (zero
 //! compliance), zero k no row. Negative k is not checked: a visit turns C̃ to `−C̃/(|k| h² w̃ − 1)`, or does nothing
 //! where `|k| h² w̃ ≤ 1`.
 //!
-//! A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` with the gradients qᵢ along x, y and z: q from the cotangents of its
-//! two triangles, k = 3c/(A₀ + A₁) (Bergou et al. 2006). `CurvatureHinge::new` takes c, `CurvatureHinge::across` D, and
-//! c = D/3. The rows of a StVK triangle are its strain in the eigenbasis of the material matrix, a change of area and
-//! two shears, with a k for each such that `½ Σ k C²` is its energy ([formulas](XpbdBuilder#elements)).
+//! A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` along x, y and z, k = 3c/(A₀ + A₁) (Bergou et al. 2006);
+//! `CurvatureHinge::new` takes c, `CurvatureHinge::across` D, and c = D/3. The rows of a StVK triangle are a change of
+//! area and two shears, with a k for each such that `½ Σ k C²` is its energy ([formulas](XpbdBuilder#elements)).
 //!
 //! On a finer mesh of the same cloth a spring has the same k, a hinge k ~ 1/A and a triangle k ~ A, so the *converged*
 //! cloth stays the same. Swept once a substep it does not: a finer mesh takes [more substeps](SubstepRule).
@@ -221,12 +212,9 @@
 //!
 //! whose damping ratio is βω/2, with `ω² = k w̃`, besides what implicit Euler damps.
 //!
-//! The paper writes `∂C/∂x·(x − x⁰)` for `C − C⁰`. For a spring that turns by a finite angle that is not zero, and
-//! damps the rotation; the difference of the values is zero for every rigid motion. By a change of variable,
-//! `ν = λ − k h β C⁰`, the sweep is the undamped one with `α̃ = 1/(k h (h + β))` and another start of the multiplier,
-//! so damping costs nothing in it. The paper's β (N s/m), b here, is our βk. Its `γ = α̃ b̃/h`, with `α̃ = 1/(k h²)`
-//! and `b̃ = h² b`, is β/h, and its Δλ is `−(C + α̃λ + γ (C − C⁰))/((1 + γ) w̃ + α̃)`. Divide above and below by 1 + γ:
-//! `−(C − d C⁰ + α̃′λ)/(w̃ + α̃′)`, with `α̃′ = α̃/(1 + γ) = 1/(k h (h + β))` and `d = γ/(1 + γ) = β/(h + β)`.
+//! The paper writes `∂C/∂x·(x − x⁰)` for `C − C⁰`, which is not zero for a spring that turns by a finite angle, and
+//! damps the rotation; the difference of the values is zero for every rigid motion. Damping costs nothing in a sweep:
+//! `update.rs` has the change of variable that makes it so, and the paper's own letters.
 //!
 //! Without it, backward Euler's own damping remains: a substep divides the energy of an oscillation of ω by
 //! `1 + (hω)²`, a damping ratio of hω/2 if that is small. In a given time smaller substeps damp less where hω < 2.
@@ -279,20 +267,17 @@
 //! [`SubstepRule`] has both parts for any cloth, and a third for a tension that lasts, of cloth that is blown up. It is
 //! what to take; its page has measured strains over a whole swing, and what a substep costs beside its sweep.
 //!
-//! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler.
-//! On a sheet of 24 × 24 vertices 20 sweeps leave a largest strain of 17 % as substeps, 158 % as iterations; 400 leave
-//! 0.5 % and 10 % (`cargo run --release -p cloth-xpbd --example hanging_sheet`).
+//! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler. On a
+//! sheet of 24 × 24 vertices 20 sweeps leave a largest strain of 17 % as substeps, 158 % as iterations
+//! (`--example hanging_sheet`).
 //!
 //! # Steps that gain energy
 //! No rule knows before a run where cloth will be stopped on a corner or pulled taut by a hand. Too few substeps leave
 //! strain there, with more energy in it than the motion had. With [`XpbdConfig::energy_gain`] = τ a step compares what
 //! kinetic and elastic energy have gained with the work of gravity, loads, prescribed vertices and contact. The excess
 //! is summed over the steps, losses taken off, never below zero. A step that adds to the sum and lifts it above τ times
-//! the scale of energy is repeated with twice as many substeps, up to eight times as many; the next one begins with as
-//! many, or with fewer by √2 where the sum is below half of that bound and fewer have not just failed. A step in which
-//! more substeps keep over 0.8 of the excess is accepted: they do not help. The scale is the larger of `K + E` and
-//! `K + E + W`, and of that the largest over all steps so far, this one included: K + E (J) is the kinetic and elastic
-//! energy at the start of a step, W the work named above, of that step. [`StepReport::refinements`] counts. τ = 0.01 is
+//! the largest energy so far is repeated with twice as many substeps, up to eight times as many
+//! ([`StepReport::refinements`]); `refinement.rs` defines that scale, and says when fewer are tried again. τ = 0.01 is
 //! a good value, on top of [`SubstepRule`]: a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by
 //! twenty substeps, then has at no time more energy than it was given by over 0.8 % of the work of gravity; without τ
 //! by twelve times that work. A step without excess costs two evaluations of the energy. The stiffer a cloth, the more
@@ -313,8 +298,8 @@
 //! positions and scales the corrections down; without extrapolation it is slow.
 //!
 //! [`XpbdConfig::acceleration`] extrapolates λ and x over the sweeps of a substep ([`Chebyshev`]), for those who need
-//! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. On a chain of 20 rigid links the sweeps to
-//! 1e-7 m become less than a fifth with ρ given, less than a third with ρ estimated (`tests/all/sweeps.rs`).
+//! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. A chain of 20 rigid links takes less than a
+//! fifth of the sweeps to 1e-7 m with ρ given, less than a third with ρ estimated (`tests/all/sweeps.rs`).
 //!
 //! Order families from the one that must hold least to the one that must hold best: the last one visited is met
 //! best. So contact comes last.
@@ -334,15 +319,43 @@
 //!
 //! ψ′ is replaced by its tangent at the distance d of the start: compliance 1/(A ψ″) for the area A, and
 //! `d̂ = d − ψ′/ψ″`, where that line is zero. From t on this gives d̂ = r and ψ″ = κ, the spring itself; below,
-//! `d̂ = 2d` and `ψ″ = κ t²/d²`: what is too near is held more stiffly, but sent to 2d only in one substep. (Below
-//! r/20, ψ″ is that of r/20 and `d̂ = d + r/20`.) In a visit, with `ŵ = Σ wᵢ bᵢ²`,
+//! `d̂ = 2d` and `ψ″ = κ t²/d²`: what is too near is held more stiffly, but sent to 2d only in one substep. In a
+//! visit, with `ŵ = Σ wᵢ bᵢ²`,
 //!
 //! ```text
 //! Δλ = max(−λ, −(C + α̃λ)/(ŵ + α̃)),   λ_t ← λ_t − u/ŵ, cut to ‖λ_t‖ ≤ μ λ
 //! ```
 //!
-//! the second for friction: u is the displacement of `Σ bᵢ xᵢ` at right angles to n from where the contact began to
-//! stick, also in an earlier substep. One μ serves for sticking and sliding.
+//! the second for friction (after Müller et al. 2020, section 3.5, with one μ for sticking and sliding): u is the
+//! displacement of `Σ bᵢ xᵢ` at right angles to n from where the contact began to stick, also in an earlier substep.
+//! The λ of the bound μλ is that of this very sweep, just updated, so cloth that lands has friction at once.
+//!
+//! **After the sweeps** (`end_substep`) every pair is tested over its whole path. One that would not keep a tenth of
+//! its distance (of r, if that is less) gets up to three rounds of five more sweeps, without compliance. Then its
+//! vertices go half as far, in up to three rounds, and stay where the substep began in up to six more. What is not safe
+//! even then is left to the *last resort*: pairs are pushed apart one by one in up to 40 rounds; *impact zones*,
+//! vertices of pairs that meet, move as one rigid body for the substep (Provot 1997, Bridson et al. 2002); and vertices
+//! stay, which [`truncated_count`](cloth_core::contact::ContactSource::truncated_count) counts. Halved and truncated
+//! displacements lose momentum that no force has taken: where they are many, take more substeps. So a step ends free of
+//! crossings, or is refused with a [`StepError::Contact`] that leaves the state as it was:
+//! [`Infeasible`](cloth_core::contact::ContactError::Infeasible) where prescribed vertices or bodies leave a vertex no
+//! path, [`IntersectingStart`](cloth_core::contact::ContactError::IntersectingStart) where something crossed before.
+//!
+//! **Restitution.** With `PotentialBuilder::restitution(e)`, e from 0 to 1, `change_velocities` gives every pair that
+//! came with the speed u along n and has touched the speed e u, by the impulse `(e u − s)/ŵ` along n, s its speed apart
+//! before that (Müller et al. 2020, section 3.6). An approach of less than r/1000 in a substep is rest. It cannot be
+//! beside a `free` body. Unless e is set, contact gives back what ψ has stored, less what the substeps damp.
+//!
+//! **Bodies**, all of `PotentialBuilder`, each with its own μ: `obstacle` is a rigid one of a signed distance, still or
+//! with the velocities of its `RigidMotion`; `animated` a mesh whose vertices follow given shapes (`AnimatedMesh`); and
+//! `free` gives an obstacle a mass and an inertia, so that the cloth pushes it. Each is where the substep ends, and
+//! friction acts against its velocity.
+//!
+//! **Cloth with itself.** A pair is a vertex and a triangle, or two edges, that share no vertex and are not sewn
+//! together: those that do are neighbours, and never kept apart. Two parts of one connected piece push from r on, or
+//! from as far as they are apart at rest if that is less, so r may exceed an edge. But the pressure is κ's only for
+//! thin cloth: with r a tenth of an edge cloth on cloth presses 1.3 times as hard, with r as long as an edge 4.6 times.
+//! The promise: what does not cross when a step begins does not cross when it ends.
 //!
 //! ```text
 //! let mut contacts = PotentialContacts::builder(&mesh).thickness(2e-3).friction(0.3).build()?; // m; cloth on cloth
@@ -354,35 +367,28 @@
 //! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one more row, C = V − V* of all vertices of a closed
 //! piece, with ∂V as at the start of the substep, swept before the contacts.
 //!
-//! Unconverged sweeps leave energy here too. A sheet of 64 × 64 vertices that falls onto a ball has at some time 28 J
-//! more than all that was put in, with 20 substeps; with the 141 of [`SubstepRule`] for a strain of 7 % it is 0.09 J
-//! ([table](SubstepRule#with-contact)). So where cloth can touch something, ask for 7 %.
+//! Unconverged sweeps leave energy here too. Where cloth can touch something, ask [`SubstepRule`] for a strain of 7 %
+//! ([table](SubstepRule#with-contact)).
 //!
 //! # Direct solve
 //! With the feature `direct`, `direct::DirectXpbd` solves all rows of a step as one linear system, and repeats
 //! that to convergence, with the residual of (a) kept: its limit *is* the implicit Euler step. Use it for light
 //! chains with heavy ends, where sweeps stall, for hard constraints that have to be met to round-off, and as
 //! the reference for sweeps. With one solve a step and geometric stiffness it is stable constrained dynamics
-//! (Tournier et al. 2015). A table of that module says which of its four linear systems suits what (the default,
-//! primal–dual by `L D Lᵀ`, wherever rows turn), another what a step costs, in sweeps. Without the feature the crate
-//! does not depend on a factorisation library.
-//!
-//! # Single precision
-//! With the feature `single`, `single::SingleXpbd` sweeps over springs and quadratic hinges in single precision, four
-//! springs at a time, in half the time of a sweep in double precision.
+//! (Tournier et al. 2015). Tables of that module say which of its four linear systems suits what, and what a step costs
+//! in sweeps. Without the feature the crate does not depend on a factorisation library.
 //!
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or
 //!   substeps, negative or non-finite damping, relaxation outside (0, 2), …), or the element and the vertex
-//!   that does not exist.
+//!   that does not exist or that it names twice.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, or if gravity, loads,
 //!   positions or velocities are not finite (the first such vertex is named), and if its *result* is not
-//!   finite, as with a stiffness that is not a number. In all cases the state is what it was before the step, and the
-//!   solver can be used again.
+//!   finite, as with a stiffness that is NaN; with contact also by [`StepError::Contact`], above. In all cases the
+//!   state is what it was before the step, and the solver can be used again.
 //! - **The direct solver** may besides be refused with [`BuildError::MatrixTooLarge`], and its step with
 //!   [`StepError::NotPositiveDefinite`] or [`StepError::LineSearchStalled`].
-//! - **A state or load of the wrong length** is a bug of the caller and panics, as is, in coloured sweeps, an element
-//!   that names a vertex twice.
+//! - **A state or load of the wrong length** is a bug of the caller and panics.
 //! - **Degenerate elements are no error.** The two ends of a spring that coincide are driven apart in a
 //!   direction that depends on their numbers only; a row whose gradient vanishes (of a triangle that has become a
 //!   point) moves nothing, and neither do rows between prescribed vertices and rows of zero stiffness.
@@ -445,7 +451,7 @@
 //! ns per element and sweep, on one thread of a 2-core AMD EPYC (Zen 3) with AVX2, plain release build
 //! (`cargo bench -p benches --bench sweeps`, the smallest sample of each):
 //!
-//! | vertices a side | springs | quadratic hinges | springs, single precision | springs, naive loop |
+//! | vertices a side | springs | quadratic hinges | springs, single precision (`single::SingleXpbd`) | springs, naive loop |
 //! |---|---|---|---|---|
 //! | 64 | 5.2 | 7.9 | 2.5 | 13.4 |
 //! | 128 | 5.2 | 8.0 | 2.5 | 13.5 |
@@ -453,10 +459,9 @@
 //! | 512 | 5.4 | 10.4 | | 13.4 |
 //! | 1000 | 6.1 | 12.9 | | 13.6 |
 //!
-//! The naive loop visits springs in the order of their vertices, each waiting for the one before it. A spring moves
-//! some 176 bytes, 2.3 ns at the 75 GB/s of the third-level cache; [`XpbdSolver`](XpbdSolver#what-a-step-costs) counts
-//! bytes and operations, and the rest of a step. An irregular sheet of 66 000 vertices takes 5.6. Vertices numbered at
-//! random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
+//! The naive loop visits springs in the order of their vertices, each waiting for the one before it.
+//! [`XpbdSolver`](XpbdSolver#what-a-step-costs) counts bytes and operations, and the rest of a step. An irregular sheet
+//! of 66 000 vertices takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
 //! ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
 //!
 //! The sweeps of a step take substeps × iterations × Σ elements × ns. A row keeps 16 bytes, λ and α̃. A whole run of a
@@ -480,28 +485,24 @@
 //! - For the same reason forces read from λ miss the balance at rest by an amount of order h² where links turn
 //!   from x̃ to x within a substep, as those of a rope between two pins do; in a straight chain they are exact.
 //!   `direct.rs`, *What one sees of it*, has both in millimetres and per cent.
-//! - Gauss–Seidel needs more sweeps on a finer mesh. In a straight chain of N rigid links, hung by one end, Jacobi has
-//!   the slowest eigenvector `cos((i − 1)θ)` at link i, `θ = π/(2N)`, with the eigenvalue cos θ; Gauss–Seidel has its
-//!   square, so `cos²(π/(2N))` of the error is kept per sweep. Truncated early, a stiff cloth is softer than its k.
+//! - Gauss–Seidel needs more sweeps on a finer mesh; truncated early, a stiff cloth is softer than its k. A straight
+//!   chain of N rigid links, hung by one end, keeps `cos²(π/(2N))` of the error per sweep;
 //!   [`XpbdConfig`](XpbdConfig#how-fast-sweeps-converge) has the rate by stiffness, mesh and mass ratio.
 //! - **Stability**: for linear equality rows each visit of Gauss–Seidel, with a relaxation between 0 and 2, lowers
 //!   `½ λᵀ(J M⁻¹ Jᵀ + α̃)λ + λᵀC(x̃)`. From step to step nothing is proved; `energy_gain` watches it.
 //!   [`Sweep::PlainJacobi`] diverges in cloth unless it is relaxed.
-//! - Iterates depend on the order of the constraints. Coloured sweeps give the same bits on any number of threads,
-//!   sequential ones others.
 //! - Linear momentum is conserved to round-off in free flight; angular momentum is lost, to order h, as in implicit
 //!   Euler. So is energy, once the sweeps have converged. Unconverged sweeps leave stretch that holds elastic energy
 //!   ½ k C² which nothing has put in; see [contact](#contact).
 //! - A substep moves a vertex by some g h², beside positions that are rounded to 10⁻¹⁶ of their size: at 1 m and
 //!   h = 10⁻⁶ s a correction has five digits left. For single precision see `single`, which adds up displacements.
 //! - Damping does not act on hard rows, which do not move, nor on rigid motion.
-//! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before: a
-//!   chain put where one sweep a substep leaves it moves by less than 1e-9 m in 20 steps (`chapter/guide.rs`). What
-//!   trembles is energy that a stop has left in springs: take more substeps, `energy_gain` or damping. Rounding gives
-//!   10⁻¹⁶ of the positions over h, 1e-13 m/s at 1 m and 1/1200 s.
+//! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before
+//!   (`chapter/guide.rs`). Ringing is energy that a stop has left in springs: take more substeps, `energy_gain` or
+//!   damping. Rounding gives 10⁻¹⁶ of the positions over h, 1e-13 m/s at 1 m and 1/1200 s.
 //! - **Locking** comes from the mesh; converged sweeps have it as any method has. A bent sheet of V vertices and E
-//!   edges that cannot stretch has 3V − E motions, three more than its rim has edges (one piece, no holes). So stiff
-//!   springs fold freely along lines of edges only, on fine meshes too. Remedies:
+//!   edges that cannot stretch has 3V − E motions, three more than its boundary has edges (one piece, no holes). So
+//!   stiff springs fold freely along lines of edges only, on fine meshes too. Remedies:
 //!   [`SpringLaw`](cloth_core::cloth::SpringLaw) and `cloth_core::dof`, with numbers.
 //!
 //! # When not to use this method
@@ -523,8 +524,7 @@
 //! - **Motion without numerical damping**: take implicit midpoint or BDF2 (not in this crate); substeps only lower it.
 //! - **Mass ratios far from 1** along chains: the direct solver.
 //! - **Energies that are not `½ k C²`** with constant k in a few rows, as cubic shells. (Stable neo-Hookean solids can
-//!   be written as two rows: M. Macklin, M. Müller, "A constraint-based formulation of stable neo-Hookean materials",
-//!   2021.)
+//!   be written as two rows: Macklin and Müller 2021.)
 //!
 //! It is at its best with few or small constraints, hard constraints beside soft ones, limits and contact, and where
 //! some strain may be seen.
@@ -561,22 +561,21 @@
 //!   (4), 2015, <https://doi.org/10.1145/2766969>: geometric stiffness.
 //! - M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image
 //!   Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>: the method that it extends.
+//! - M. Müller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim, "Detailed rigid body simulation with extended position
+//!   based dynamics", Computer Graphics Forum 39(8), 2020, <https://doi.org/10.1111/cgf.14105>: friction, restitution.
+//! - X. Provot, "Collision and self-collision handling in cloth model dedicated to design garments", 1997; R. Bridson,
+//!   R. Fedkiw, J. Anderson, "Robust treatment of collisions, contact and friction for cloth animation", ACM Trans.
+//!   Graph. 21(3), 2002, <https://doi.org/10.1145/566654.566623>: impact zones.
 
 #![forbid(unsafe_code)]
 
-mod solver;
-
 mod config;
-
-mod update;
-
-mod substeps;
-
-mod refinement;
-
 mod forces;
-
 pub mod links;
+mod refinement;
+mod solver;
+mod substeps;
+mod update;
 
 #[cfg(feature = "direct")]
 pub mod direct;

@@ -208,18 +208,12 @@ pub struct SingleBuilder {
 
 impl SingleBuilder {
     /// Adds springs. A sweep visits families in the order in which they were added.
-    ///
-    /// # Panics
-    /// If a spring has the same vertex at both ends.
     #[must_use]
     pub fn springs(self, springs: &[Spring]) -> Self {
         self.add(springs, |count| Springs::new(springs, count).map(boxed))
     }
 
     /// Adds elements whose rows are a [`VectorRow`](cloth_core::element::VectorRow): quadratic hinges, attachments.
-    ///
-    /// # Panics
-    /// If an element names a vertex twice.
     #[must_use]
     pub fn vector_rows<const N: usize, E: Constraint<N>>(self, elements: &[E]) -> Self {
         self.add(elements, |count| {
@@ -228,9 +222,6 @@ impl SingleBuilder {
     }
 
     /// Adds all elements of a cloth, as [`ClothModel::families`](cloth_core::ClothModel::families) has them.
-    ///
-    /// # Panics
-    /// If an element names a vertex twice.
     #[must_use]
     pub fn elements(mut self, families: Vec<Elements>) -> Self {
         for family in families {
@@ -296,7 +287,7 @@ fn boxed<F: Family + 'static>(family: F) -> Box<dyn Family> {
     Box::new(family)
 }
 
-/// `α̃` in single precision. One that is not a number stays so, and the step ends in an error.
+/// `α̃` in single precision. NaN stays NaN, and the step ends in an error.
 fn scaled_compliance(update: XpbdUpdate, stiffness: Real) -> f32 {
     let compliance = update.scaled_compliance(stiffness) as f32;
     if compliance > MAX_SCALED_COMPLIANCE {

@@ -14,8 +14,10 @@ use cloth_core::method::position_based::{ConstraintUpdate, RowEquation, RowState
 /// `C + α̃ν = 0` with `α̃ = 1/(k h (h + β))`: the update of an undamped row that starts from `ν = −k h β C⁰`
 /// instead of 0. So damping costs a sweep nothing. ν is what is accumulated.
 ///
-/// Their equation 26 takes `∂C/∂x·(x − x⁰)` for `C − C⁰`. For linear rows it is the same. For others it is not
-/// zero in a rigid rotation by a finite angle, and would damp it.
+/// Their equation 26 takes `∂C/∂x·(x − x⁰)` for `C − C⁰`; for linear rows it is the same. Their β (N s/m), b here, is
+/// βk. With `γ = α̃ b̃/h`, where `α̃ = 1/(k h²)` and `b̃ = h² b`, so that γ = β/h, their Δλ is
+/// `−(C + α̃λ + γ (C − C⁰))/((1 + γ) w̃ + α̃)`. Divided above and below by 1 + γ it is `−(C − d C⁰ + α̃′λ)/(w̃ + α̃′)`,
+/// with `α̃′ = α̃/(1 + γ) = 1/(k h (h + β))` and `d = γ/(1 + γ) = β/(h + β)`: the same as `C + α̃′ν` above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct XpbdUpdate {
     /// h (s).
@@ -123,7 +125,7 @@ impl ConstraintUpdate for XpbdUpdate {
 
     const ROWS_TOGETHER: bool = true;
 
-    /// ν starts from `−k h β C⁰`; where k is not a number ν is none either, and the step ends in an error.
+    /// ν starts from `−k h β C⁰`. Where k is NaN, so is ν, and the step ends in an error.
     fn prepare(&self, row: RowState, memory: &mut Multiplier) {
         *memory = Multiplier {
             lambda: if row.stiffness.is_nan() {

@@ -9,7 +9,7 @@ use cloth_core::energy::{Seam, SoftPin};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
-use cloth_core::pin::Motion;
+use cloth_core::pin::PinMotion;
 use std::sync::Arc;
 
 /// Something that happens to the cloth of a scene at a time.
@@ -29,7 +29,7 @@ pub enum ChangeKind {
         /// Their numbers.
         vertices: Vec<usize>,
         /// How they move.
-        motion: Motion,
+        motion: PinMotion,
     },
     /// Vertices are released, with the velocity that they have.
     Release {
@@ -43,7 +43,7 @@ pub enum ChangeKind {
         /// Stiffness of each spring (N/m).
         stiffness: Real,
         /// How the points move.
-        motion: Motion,
+        motion: PinMotion,
     },
     /// The ties of vertices vanish.
     Untie {

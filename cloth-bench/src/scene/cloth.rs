@@ -3,7 +3,7 @@
 use crate::error::BenchError;
 use crate::settings::{Infinite, Or, Range::*, Settings, Table};
 use cloth_core::cloth::{
-    BendingCarrier, Cloth, ClothModel, CoarseMembrane, Discretization, Membrane, MembraneCarrier,
+    BendingElements, Cloth, ClothModel, CoarseMembrane, Discretization, Membrane, MembraneElements,
     SpringEdges, SpringLaw,
 };
 use cloth_core::math::Real;
@@ -19,7 +19,7 @@ crate::settings! {
     pub(crate) struct Material {
         density: Real = 0.2 "kg/m²", "areal density";
         modulus: Option<Real> = "none" "N/m", "membrane modulus Y in the place of the stiffness of springs, or none";
-        membrane: MembraneElements = "springs",
+        membrane: MembraneName = "springs",
             "elements that resist stretching: springs, stvk or arap; triangles get the modulus that springs of the \
              given stiffness have";
         poisson: Real = 0.3333333333333333, "Poisson's ratio of stvk, from −1 to 1; springs have 1/3";
@@ -27,7 +27,7 @@ crate::settings! {
             "stiffness of springs along both diagonals of rectangular cells, or none: one diagonal, as stiff as the \
              other edges";
         rigidity: Real = 1e-5 "N·m", "bending rigidity D";
-        bending: BendingElements = "quadratic",
+        bending: BendingName = "quadratic",
             "elements that resist bending: quadratic, dihedral, bridson (a moment with sin θ/2), cubic, curved, spring \
              (across hinges) or none";
         bending_stiffness: Real = 1 "N/m", "stiffness of springs across hinges";
@@ -50,10 +50,10 @@ crate::settings! {
 crate::choices! {
     /// What resists stretching.
     #[derive(PartialEq)]
-    pub(crate) enum MembraneElements { Springs = "springs", Stvk = "stvk", Arap = "arap" }
+    pub(crate) enum MembraneName { Springs = "springs", Stvk = "stvk", Arap = "arap" }
     /// What resists bending.
     #[derive(PartialEq)]
-    pub(crate) enum BendingElements {
+    pub(crate) enum BendingName {
         Quadratic = "quadratic",
         Dihedral = "dihedral",
         Bridson = "bridson",
@@ -70,9 +70,9 @@ crate::choices! {
 /// Cuts the cloth that settings describe to a mesh.
 pub(super) fn cut(settings: &Settings, mesh: &TriMesh) -> Result<ClothModel, BenchError> {
     let cloth = described(settings)?;
-    let carriers = carriers(settings)?;
+    let discretization = discretization(settings)?;
     let mut model = cloth
-        .discretized_with(&carriers, mesh)
+        .discretized_with(&discretization, mesh)
         .map_err(BenchError::usage)?;
     if is_hard(settings)? {
         harden(&mut model, |_| true);
@@ -97,16 +97,13 @@ pub(super) fn harden(model: &mut ClothModel, is_wanted: impl Fn(usize) -> bool) 
 fn check_hard(settings: &Settings) -> Result<(), BenchError> {
     let (own, edges) = (Material::read(settings)?, EdgeSprings::read(settings)?);
     let others = [
-        (
-            own.membrane.bare(),
-            *own.membrane != MembraneElements::Springs,
-        ),
+        (own.membrane.bare(), *own.membrane != MembraneName::Springs),
         (own.shear.bare(), own.shear.is_some()),
         (edges.compression.bare(), *edges.compression != 1.0),
         (edges.slack.bare(), edges.slack.is_some()),
         (edges.edges.bare(), *edges.edges != Or::Word(Edges::All)),
         (edges.level.bare(), *edges.level > 0),
-        (own.bending.bare(), *own.bending == BendingElements::Spring),
+        (own.bending.bare(), *own.bending == BendingName::Spring),
     ];
     match others.iter().find(|(_, is_wrong)| *is_wrong) {
         None => Ok(()),
@@ -122,19 +119,19 @@ fn check_hard(settings: &Settings) -> Result<(), BenchError> {
 }
 
 /// The elements that carry it.
-pub(super) fn carriers(settings: &Settings) -> Result<Discretization, BenchError> {
+pub(super) fn discretization(settings: &Settings) -> Result<Discretization, BenchError> {
     let (own, edges) = (Material::read(settings)?, EdgeSprings::read(settings)?);
     Ok(Discretization {
-        membrane: membrane_carrier(&own)?,
+        membrane: membrane_elements(&own)?,
         shear: *own.shear,
-        bending: bending_carrier(&own)?,
+        bending: bending_elements(&own)?,
         law: law(&edges)?,
         edges: match *edges.edges {
             Or::Word(Edges::All) => SpringEdges::All,
             Or::Word(Edges::Quads) => SpringEdges::Quads,
             Or::Value(fraction) => SpringEdges::DofFraction(fraction),
         },
-        detail: detail(&edges)?,
+        coarse_membrane: coarse_membrane(&edges)?,
     })
 }
 
@@ -168,16 +165,16 @@ fn membrane(settings: &Settings, own: &Material) -> Result<Membrane, BenchError>
     Ok(Membrane::Modulus(modulus))
 }
 
-pub(super) fn membrane_carrier(own: &Material) -> Result<MembraneCarrier, BenchError> {
-    if *own.membrane != MembraneElements::Stvk {
+pub(super) fn membrane_elements(own: &Material) -> Result<MembraneElements, BenchError> {
+    if *own.membrane != MembraneName::Stvk {
         own.poisson.refuse_without("membrane=stvk")?;
     }
     Ok(match *own.membrane {
-        MembraneElements::Springs => MembraneCarrier::Springs,
-        MembraneElements::Stvk => MembraneCarrier::Stvk {
+        MembraneName::Springs => MembraneElements::Springs,
+        MembraneName::Stvk => MembraneElements::Stvk {
             poisson_ratio: *own.poisson,
         },
-        MembraneElements::Arap => MembraneCarrier::Arap,
+        MembraneName::Arap => MembraneElements::Arap,
     })
 }
 
@@ -194,7 +191,7 @@ fn law(edges: &EdgeSprings) -> Result<SpringLaw, BenchError> {
     })
 }
 
-fn detail(edges: &EdgeSprings) -> Result<Option<CoarseMembrane>, BenchError> {
+fn coarse_membrane(edges: &EdgeSprings) -> Result<Option<CoarseMembrane>, BenchError> {
     let level = *edges.level;
     if level == 0 {
         edges.fine_fraction.refuse_without("a level of 1 or more")?;
@@ -206,21 +203,24 @@ fn detail(edges: &EdgeSprings) -> Result<Option<CoarseMembrane>, BenchError> {
     }))
 }
 
-fn bending_carrier(own: &Material) -> Result<BendingCarrier, BenchError> {
-    let carrier = match *own.bending {
-        BendingElements::Quadratic => BendingCarrier::Quadratic,
-        BendingElements::Dihedral => BendingCarrier::Dihedral,
-        BendingElements::Bridson => BendingCarrier::Bridson,
-        BendingElements::Cubic => BendingCarrier::Cubic,
-        BendingElements::Curved => BendingCarrier::Curved,
-        BendingElements::Spring => BendingCarrier::Springs(*own.bending_stiffness),
-        BendingElements::None => BendingCarrier::None,
+fn bending_elements(own: &Material) -> Result<BendingElements, BenchError> {
+    let elements = match *own.bending {
+        BendingName::Quadratic => BendingElements::Quadratic,
+        BendingName::Dihedral => BendingElements::Dihedral,
+        BendingName::Bridson => BendingElements::Bridson,
+        BendingName::Cubic => BendingElements::Cubic,
+        BendingName::Curved => BendingElements::Curved,
+        BendingName::Spring => BendingElements::Springs(*own.bending_stiffness),
+        BendingName::None => BendingElements::None,
     };
-    if *own.bending != BendingElements::Spring {
+    if *own.bending != BendingName::Spring {
         own.bending_stiffness.refuse_without("bending=spring")?;
     }
-    if matches!(carrier, BendingCarrier::Springs(_) | BendingCarrier::None) {
+    if matches!(
+        elements,
+        BendingElements::Springs(_) | BendingElements::None
+    ) {
         own.rigidity.refuse_without("bending hinges")?;
     }
-    Ok(carrier)
+    Ok(elements)
 }

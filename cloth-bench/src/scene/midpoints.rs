@@ -48,9 +48,9 @@ pub(super) fn cut(
         )?;
     }
     let described = cloth::described(settings)?;
-    let carrier = cloth::membrane_carrier(&own)?;
+    let elements = cloth::membrane_elements(&own)?;
     let cut = described
-        .on_midpoints(carrier, mesh)
+        .on_midpoints(elements, mesh)
         .map_err(BenchError::usage)?;
     let mut model = cut.model;
     let edges = EdgeTable::build(mesh).map_err(BenchError::usage)?;

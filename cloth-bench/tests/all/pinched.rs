@@ -72,7 +72,7 @@ fn pinched_cloth_ends_a_run_that_refuses_it() {
     let step = said.split("step ").nth(1).unwrap();
     let step: u32 = step.split(':').next().unwrap().parse().unwrap();
     assert!((27..=40).contains(&step), "{said}");
-    assert!(said.contains("leave no free way to vertex"), "{said}");
+    assert!(said.contains("leave no free path to vertex"), "{said}");
     let (_, code, said) = run("implicit-euler", "1", &["--set", "pinched=maybe"]);
     assert_eq!(code, 2);
     assert!(said.contains("(known: pass, refuse)"), "{said}");

@@ -261,7 +261,7 @@ fn what_cannot_be_torn_is_said_with_the_reason() {
             "level",
             "box = [[0.37, 0.37, -1], [0.51, 0.51, 1]]\n[cloth]\nlevel = 1\n",
             8,
-            "a coarse level carries a whole mesh",
+            "a coarse level of links is for a whole mesh",
         ),
         (
             "corner",

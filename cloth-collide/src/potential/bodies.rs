@@ -5,7 +5,7 @@ use super::friction::ALONE;
 use super::near::Near;
 use super::rebound::Rebound;
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{RowState, Tangent};
+use super::tangent::{Tangent, UnilateralConstraint};
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
@@ -49,7 +49,7 @@ struct Row {
     distance: Real,
     /// h (m).
     thickness: Real,
-    state: RowState,
+    state: UnilateralConstraint,
     is_violated: bool,
     /// That of the last visit, and the push (kg m) along those of all visits.
     normal: Vec3,

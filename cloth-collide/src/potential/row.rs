@@ -3,7 +3,7 @@
 use super::near::Near;
 use super::patches::NearPair;
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{RowState, Tangent};
+use super::tangent::{Tangent, UnilateralConstraint};
 use crate::ccd::Query;
 use crate::obstacle::Distance;
 use crate::pair::{Gap, Pair, ends, weighted};
@@ -26,7 +26,7 @@ pub(super) struct Row {
     /// At the start of the substep (m).
     pub(super) distance: Real,
     /// Of the point Σ wᵢ xᵢ (m).
-    pub(super) state: RowState,
+    pub(super) state: UnilateralConstraint,
     /// Σ wᵢ²/mᵢ (1/kg).
     pub(super) ease: Real,
     /// Distance (m) at which the law begins, and the area (m²) that the pair stands for: at rest, and where its nearest
@@ -70,7 +70,7 @@ impl Row {
             normal: last.map_or(Vec3::zeros(), |last| last.normal),
             weights: [0.0; 4],
             distance: 0.0,
-            state: RowState::default(),
+            state: UnilateralConstraint::default(),
             ease: 0.0,
             thickness: found.range,
             area_at_rest: found.area,
@@ -159,7 +159,7 @@ impl Row {
         weighted(self.pair.vertices, self.weights, x)
     }
 
-    /// By how much friction is stretched (m) at `x` (m); see [`RowState::stretch`].
+    /// By how much friction is stretched (m) at `x` (m); see [`UnilateralConstraint::stretch`].
     fn stretch(&self, x: &[Vec3], reach: Real) -> Vec3 {
         self.state.stretch(self.point(x), self.normal, reach)
     }

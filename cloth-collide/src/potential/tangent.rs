@@ -39,7 +39,7 @@ pub(super) fn across(v: Vec3, normal: Vec3) -> Vec3 {
 
 /// A unilateral constraint in a substep, C = d − d̂ ≥ 0 for a distance d, and what it has pushed with so far.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RowState {
+pub(super) struct UnilateralConstraint {
     /// d̂ (m), α̃ (1/kg), and μ (dimensionless).
     pub(super) range: Real,
     pub(super) compliance: Real,
@@ -51,7 +51,7 @@ pub(super) struct RowState {
     pub(super) origin: Vec3,
 }
 
-impl RowState {
+impl UnilateralConstraint {
     /// Gives in no more at the `distance` (m) at the start of the substep, instead of coming `now` (m) near. What is
     /// nearer than `least` (m) comes back with half of the speed with which it came: all at once, the shorter the
     /// substep, the faster it would leave.

@@ -1,6 +1,6 @@
 //! A cloth whose degrees of freedom are the middles of the edges.
 
-use super::carriers::MembraneCarrier;
+use super::discretization::MembraneElements;
 use super::{Cloth, ClothError, ClothModel, Elements};
 use crate::energy::{ArapTriangle, MidpointHinge, Spring, StvkTriangle};
 use crate::error::not_negative;
@@ -9,8 +9,8 @@ use crate::mesh::TriMesh;
 use crate::particles::Particles;
 use crate::topology::{EdgeTable, Midpoints};
 
-/// A cloth cut to the edge midpoints of a mesh, ready for any solver that takes its elements: particle e is the middle
-/// of edge e.
+/// A cloth discretized on the edge midpoints of a mesh, ready for any solver that takes its elements: particle e is the
+/// middle of edge e.
 ///
 /// Masses are those of the mesh's triangles, a third of each at each of its midpoints. For vertices at `x`, the
 /// membrane costs at `midpoints.between(x)` what the same membrane costs at `x` on vertices, springs and triangles
@@ -33,7 +33,7 @@ impl Cloth {
     /// [`ClothError`] if a number is out of range or an edge of the mesh is not manifold.
     pub fn on_midpoints(
         &self,
-        membrane: MembraneCarrier,
+        membrane: MembraneElements,
         mesh: &TriMesh,
     ) -> Result<MidpointCloth, ClothError> {
         self.membrane.check()?;
@@ -47,8 +47,8 @@ impl Cloth {
         let mut springs = Vec::new();
         let mut others = Vec::new();
         match membrane {
-            MembraneCarrier::Springs => springs = self.midpoint_springs(mesh, &edges, small),
-            MembraneCarrier::Stvk { poisson_ratio } => {
+            MembraneElements::Springs => springs = self.midpoint_springs(mesh, &edges, small),
+            MembraneElements::Stvk { poisson_ratio } => {
                 if !(-1.0 < poisson_ratio && poisson_ratio < 1.0) {
                     return Err(ClothError::PoissonRatio(poisson_ratio));
                 }
@@ -58,7 +58,7 @@ impl Cloth {
                     poisson_ratio,
                 )));
             }
-            MembraneCarrier::Arap => others.push(Elements::Arap(ArapTriangle::on(small, modulus))),
+            MembraneElements::Arap => others.push(Elements::Arap(ArapTriangle::on(small, modulus))),
         }
         if self.bending_rigidity > 0.0 {
             let hinges = (0..edges.len()).filter_map(|edge| {

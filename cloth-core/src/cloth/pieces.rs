@@ -11,16 +11,16 @@ use crate::topology::EdgeTable;
 pub struct Piece {
     /// The material.
     pub cloth: Cloth,
-    /// Which elements carry it.
-    pub carriers: Discretization,
+    /// Which elements it is discretized with.
+    pub discretization: Discretization,
     /// Numbers of its triangles.
     pub triangles: Vec<u32>,
 }
 
 impl ClothModel {
-    /// Masses and elements of pieces of one mesh, each as [`Cloth::discretized_with`] cuts it to its own triangles: no
+    /// Masses and elements of pieces of one mesh, each by [`Cloth::discretized_with`] on its own triangles: no
     /// hinge goes across the border of two pieces, and pieces that share an edge both have a spring on it, as two
-    /// cloths would that are sewn together there. Triangles in no piece carry nothing.
+    /// cloths would that are sewn together there. Triangles in no piece get no elements.
     ///
     /// # Errors
     /// [`ClothError`] for a number out of range, a triangle that does not exist or is in two pieces, a vertex in no
@@ -50,15 +50,15 @@ impl ClothModel {
             if triangles.is_empty() {
                 continue;
             }
-            if piece.carriers.detail.is_some() && triangles.len() < areas.len() {
-                return Err(ClothError::DetailOfPiece);
+            if piece.discretization.coarse_membrane.is_some() && triangles.len() < areas.len() {
+                return Err(ClothError::CoarseMembraneOfPiece);
             }
             let part = mesh.with_triangles(triangles);
             let edges = EdgeTable::build(&part)?;
-            let cut = piece.carriers.cut(&piece.cloth, &part, &edges)?;
-            springs.extend(cut.springs);
-            hinges.extend(cut.hinges);
-            for family in cut.others {
+            let elements = piece.discretization.elements(&piece.cloth, &part, &edges)?;
+            springs.extend(elements.springs);
+            hinges.extend(elements.hinges);
+            for family in elements.others {
                 Elements::merge(&mut others, family);
             }
         }

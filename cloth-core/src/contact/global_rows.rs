@@ -1,12 +1,12 @@
-//! Parts of a second derivative that couple many vertices.
+//! Terms of a second derivative that couple many vertices.
 
 use crate::math::{Real, Vec3};
 
-/// One part of rank one, `k g gᵀ`, with `g` the gradient of a scalar C, a volume for instance, by all the vertices that
+/// One term of rank one, `k g gᵀ`, with `g` the gradient of a scalar C, a volume for instance, by all the vertices that
 /// it depends on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GlobalRow {
-    /// The vertices; none stands twice.
+    /// The vertices; none twice.
     pub vertices: Vec<u32>,
     /// g of each of them (unit of C per m).
     pub gradient: Vec<Vec3>,
@@ -36,7 +36,7 @@ impl GlobalRow {
     }
 }
 
-/// A list of such parts that keeps its memory when it is cleared.
+/// A list of such terms that keeps its memory when it is cleared.
 #[derive(Clone, Debug, Default)]
 pub struct GlobalRows {
     rows: Vec<GlobalRow>,
@@ -44,12 +44,12 @@ pub struct GlobalRows {
 }
 
 impl GlobalRows {
-    /// Takes all parts out.
+    /// Removes all terms.
     pub fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Appends a part without vertices, to be filled.
+    /// Appends a term without vertices, to be filled.
     pub fn push(&mut self, stiffness: Real) -> &mut GlobalRow {
         if self.len == self.rows.len() {
             self.rows.push(GlobalRow::default());
@@ -62,24 +62,24 @@ impl GlobalRows {
         row
     }
 
-    /// The parts.
+    /// The terms.
     #[must_use]
     pub fn rows(&self) -> &[GlobalRow] {
         &self.rows[..self.len]
     }
 
-    /// Takes vertices out that do not move.
-    pub fn hold(&mut self, is_held: impl Fn(usize) -> bool) {
+    /// Sets the gradients at vertices that do not move to zero.
+    pub fn remove_fixed(&mut self, is_fixed: impl Fn(usize) -> bool) {
         for row in self.rows_mut() {
             for (gradient, &vertex) in row.gradient.iter_mut().zip(&row.vertices) {
-                if is_held(vertex as usize) {
+                if is_fixed(vertex as usize) {
                     *gradient = Vec3::zeros();
                 }
             }
         }
     }
 
-    /// The parts, to be changed.
+    /// The terms, to be changed.
     pub fn rows_mut(&mut self) -> &mut [GlobalRow] {
         &mut self.rows[..self.len]
     }

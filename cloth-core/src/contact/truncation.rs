@@ -12,7 +12,7 @@ use crate::math::{Real, Vec3};
 /// Strain of an edge that a truncation may make (dimensionless).
 const STRAIN: Real = 0.03;
 
-/// The truncation, and its room.
+/// The truncation, and its memory.
 #[derive(Clone, Debug, Default)]
 pub struct FadingTruncation {
     fractions: Vec<Real>,
@@ -43,7 +43,7 @@ impl FadingTruncation {
         self.limit(contact, feasible, start, neighbours)
     }
 
-    /// Takes vertices back on their straight paths from `from` to `to` (m), one position per vertex, until all paths
+    /// Truncates the displacements of vertices on their straight paths from `from` to `to` (m) until all paths
     /// together are safe, as [`limit_each`](ContactPotential::limit_each) does, but fading: what is taken of the paths
     /// of two neighbours differs by at most 3 % of their distance. `neighbours(v)` are those of vertex v; of two
     /// neighbours it is enough if one has the other. Does not allocate after the first call.

@@ -1,10 +1,10 @@
-//! The geometric stiffness of any constraint, by differences of its gradients.
+//! The geometric stiffness of any constraint, by finite differences of its gradients.
 
 use super::{Constraint, Convexity};
 use crate::math::{Blocks, Mat3, Real, Vec3};
 
-/// `−Σ λ ∂²C` by central differences over a part `ε^⅓` of the size of the element; zero where they are beyond all
-/// numbers, and for an element of no size.
+/// `−Σ λ ∂²C` by central differences over `ε^⅓` of the size of the element; zero where they overflow, and for an
+/// element of no size.
 pub(super) fn geometric_stiffness<const N: usize, C: Constraint<N>>(
     constraint: &C,
     x: &[Vec3; N],
@@ -41,8 +41,8 @@ pub(super) fn geometric_stiffness<const N: usize, C: Constraint<N>>(
     }
     symmetrize(&mut blocks);
     match convexity {
-        Convexity::Clamp => with_eigenvalues(blocks, |value| value.max(0.0)),
-        Convexity::Abs => with_eigenvalues(blocks, Real::abs),
+        Convexity::Clamp => filter_eigenvalues(blocks, |value| value.max(0.0)),
+        Convexity::Abs => filter_eigenvalues(blocks, Real::abs),
         Convexity::Exact | Convexity::GaussNewton => blocks,
     }
 }
@@ -60,8 +60,10 @@ fn symmetrize<const N: usize>(blocks: &mut Blocks<N>) {
 /// Sweeps of Jacobi's method; it squares the error of each once it is near.
 const MOST_SWEEPS: usize = 30;
 
-/// The matrix with its eigenvalues replaced, by Jacobi's rotations: slow and exact, and it needs no memory for any N.
-fn with_eigenvalues<const N: usize>(mut a: Blocks<N>, map: impl Fn(Real) -> Real) -> Blocks<N> {
+/// The matrix with its eigenvalues replaced, by Jacobi's rotations: slow and exact, and it allocates for no N.
+/// [`make_semidefinite`](crate::math::make_semidefinite) does with nine dimensions for the elements
+/// it fits: four vertices, and an energy that no translation changes.
+fn filter_eigenvalues<const N: usize>(mut a: Blocks<N>, map: impl Fn(Real) -> Real) -> Blocks<N> {
     let mut vectors: Blocks<N> = [[Mat3::zeros(); N]; N];
     for i in 0..N {
         vectors[i][i] = Mat3::identity();

@@ -36,8 +36,8 @@ impl<const N: usize> UnitRow<N> {
 
 /// One row that is free within a range: `C = φ − clamp(φ)`, with φ and its gradient not cut off there.
 ///
-/// [`Row`] has neither value nor gradient inside the range, so a method that remembers multipliers could not take one
-/// back there that an earlier visit made. The multiplier of such a row solves `C + α̃λ = 0`, with `C = φ − clamp(φ)`:
+/// [`Row`] has neither value nor gradient inside the range, so a method that accumulates multipliers could not reduce
+/// one there that an earlier visit made. The multiplier of such a row solves `C + α̃λ = 0`, with `C = φ − clamp(φ)`:
 /// for one row alone, φ going along with λ by w̃, that is `φ − clamp(φ − w̃λ) + α̃λ = 0`, where `φ − w̃λ` is what φ
 /// would be without the row. So λ pulls or is zero at the upper end, pushes or is zero at the lower one, and is zero
 /// between.

@@ -42,7 +42,7 @@ impl Pressure {
     /// Gas of a gauge pressure (Pa, below zero for a vacuum) inside `mesh`.
     ///
     /// # Errors
-    /// [`EnclosureError`] for a pressure that is not finite, or a mesh that has a border or triangles that face
+    /// [`EnclosureError`] for a pressure that is not finite, or a mesh that has a boundary or triangles that face
     /// different ways.
     pub fn new(pressure: Real, mesh: &TriMesh) -> Result<Self, EnclosureError> {
         Self::inside(pressure, mesh, 0..mesh.triangle_count())

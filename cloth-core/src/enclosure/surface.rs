@@ -24,14 +24,14 @@ impl ClosedSurface {
         let triangles = triangles.into_iter().map(|t| mesh.triangles()[t]).collect();
         let piece = mesh.with_triangles(triangles);
         let edges = EdgeTable::build(&piece)?;
-        let border = (0..edges.ends().len()).find(|&edge| edges.is_boundary(edge));
-        if let Some(edge) = border {
+        let open = (0..edges.ends().len()).find(|&edge| edges.is_boundary(edge));
+        if let Some(edge) = open {
             return Err(EnclosureError::Open(edges.ends()[edge]));
         }
         let triangles = piece.triangles().to_vec();
         let mut surface = Self { triangles };
         if let Some(ends) = surface.disagreement() {
-            return Err(EnclosureError::Disagree(ends));
+            return Err(EnclosureError::InconsistentlyOriented(ends));
         }
         if surface.volume(mesh.positions()) < 0.0 {
             let triangles = surface.triangles.iter_mut();

@@ -57,8 +57,8 @@ impl ClosedVolume {
     /// A filling with a bulk modulus K (Pa), above 0, inside `mesh` at rest, where it does not press.
     ///
     /// # Errors
-    /// [`EnclosureError`] for a modulus out of range, or a mesh that has a border, triangles that face different ways,
-    /// or no volume.
+    /// [`EnclosureError`] for a modulus out of range, or a mesh that has a boundary, triangles that face different
+    /// ways, or no volume.
     pub fn new(modulus: Real, mesh: &TriMesh) -> Result<Self, EnclosureError> {
         Self::inside(modulus, mesh, 0..mesh.triangle_count())
     }

@@ -2,7 +2,9 @@
 //!
 //! O. Sorkine, M. Alexa, "As-rigid-as-possible surface modeling", SGP 2007,
 //! <https://doi.org/10.2312/SGP/SGP07/109-116>; as a projection, S. Bouaziz et al., "Projective dynamics", 2014,
-//! <https://doi.org/10.1145/2601097.2601116>.
+//! <https://doi.org/10.1145/2601097.2601116>, section 5.1. Eigenvalues of its Hessian: B. Smith, F. de Goes, T. Kim,
+//! "Analytic eigensystems for isotropic distortion energies", ACM Trans. Graph. 38(1), 2019,
+//! <https://doi.org/10.1145/3241041>.
 
 use super::triangle_map::TriangleMap;
 use crate::cloth::Elements;
@@ -117,9 +119,9 @@ impl Constraint<3> for ArapTriangle {
         })
     }
 
-    /// Four orthonormal modes of F, with u₃ the normal: `(u₁v₂ᵀ − u₂v₁ᵀ)/√2` with `1 − 2/(σ₁ + σ₂)`,
-    /// `(u₁v₂ᵀ + u₂v₁ᵀ)/√2` with 1, and `u₃vₖᵀ` with `1 − 1/σₖ`, all times `A k`. They are its eigenvalues, so
-    /// `convexity` acts on them one by one.
+    /// Four orthonormal modes of F, with u₃ the normal: the twist `(u₁v₂ᵀ − u₂v₁ᵀ)/√2` with `1 − 2/(σ₁ + σ₂)`, the flip
+    /// `(u₁v₂ᵀ + u₂v₁ᵀ)/√2` with 1 (both after Smith et al. 2019), and, out of the plane, `u₃vₖᵀ` with `1 − 1/σₖ`, all
+    /// times `A k`. They are its eigenvalues, so `convexity` acts on them one by one.
     fn curvature(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
         let singular = Singular::of(self.map.columns(x));
         let [u, v] = singular.left;

@@ -1,4 +1,8 @@
 //! A triangle that wants to keep its area.
+//!
+//! M. Teschner, B. Heidelberger, M. Müller, M. Gross, "A versatile and robust model for geometrically complex
+//! deformable solids", Computer Graphics International 2004: their potential for the preservation of area, here with
+//! `k = K/A₀`.
 
 use crate::element::{Constraint, Convexity, Element, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather, length_and_direction, make_semidefinite};

@@ -24,8 +24,8 @@ use crate::topology::HingeTable;
 ///
 /// It is no sum of squares, so there is no constraint view and no projective one.
 ///
-/// Limits: the polynomial means `1 − cos` only for triangles that keep their shape, and needs a membrane that sees to
-/// that. A curved rest shape alone is not in equilibrium: scaled by s, `dE/ds = −K (1 − cos θ₀)(3 + cos θ₀)` at s = 1,
+/// Limits: the polynomial means `1 − cos` only for triangles that keep their shape, and needs a membrane that keeps
+/// it. A curved rest shape alone is not in equilibrium: scaled by s, `dE/ds = −K (1 − cos θ₀)(3 + cos θ₀)` at s = 1,
 /// a pull outwards that the membrane balances at a strain of order `D/(Y e²)`; and without bound on the stretch there
 /// is no bound on E from below.
 #[derive(Clone, Copy, Debug, PartialEq)]

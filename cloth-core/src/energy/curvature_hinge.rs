@@ -1,7 +1,8 @@
 //! Quadratic bending: two triangles that want to lie in one plane.
 //!
 //! M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
-//! SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>.
+//! SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>: `E = ½ xᵀQx`, the sum over edges of
+//! `Q(e₀) = 3/(A₀ + A₁) K₀ᵀK₀`. Their row vector K₀ is q here, and their Q, times k, is the Hessian.
 
 use super::cotangent::{Cotangents, on_each_hinge};
 use crate::cloth::Elements;

@@ -1,8 +1,8 @@
 //! The cotangent form with a curved rest shape: what projective dynamics bends by.
 //!
 //! S. Bouaziz, S. Martin, T. Liu, L. Kavan, M. Pauly, "Projective dynamics: fusing constraint projections for fast
-//! simulation", ACM Trans. Graph. 33 (2014), <https://doi.org/10.1145/2601097.2601116>, section 5.5, one hinge at a
-//! time.
+//! simulation", ACM Trans. Graph. 33 (2014), <https://doi.org/10.1145/2601097.2601116>: the bending constraint of its
+//! section 5, which keeps the length of the cotangent Laplacian at a vertex. Here z of one hinge takes its place.
 
 use super::CurvatureHinge;
 use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
@@ -133,7 +133,7 @@ impl Projective<4, 1> for CurvedHinge {
     #[inline]
     fn projected_hessian(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = self.length_and_direction(z);
-        [[crate::math::radial_resistance(
+        [[crate::math::projected_radial_hessian(
             length,
             n,
             self.rest_curvature,

@@ -1,11 +1,13 @@
 //! Bending by the angle between two triangles, with a rest angle.
 //!
-//! E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
-//! <https://doi.org/10.2312/SCA03/062-067>: the energy.
-//! R. Bridson, S. Marino, R. Fedkiw, "Simulation of clothing with folds and wrinkles", SCA 2003,
-//! <https://doi.org/10.2312/SCA03/028-036>: the directions u₁…u₄ of the force, which are `∂θ/∂x`.
-//! R. Tamstorf, E. Grinspun, "Discrete bending forces and their Jacobians", Graphical Models 75 (2013),
-//! <https://doi.org/10.1016/j.gmod.2013.07.001>: the Hessian of θ.
+//! - E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
+//!   <https://doi.org/10.2312/SCA03/062-067>: the flexural energy `Σ (θₑ − θ̄ₑ)² ‖ē‖/h̄ₑ`, the bars meaning rest. h̄ₑ
+//!   is a third of the mean height of the two triangles, so `‖ē‖/h̄ₑ = 3e²/(A₀ + A₁)`.
+//! - R. Bridson, S. Marino, R. Fedkiw, "Simulation of clothing with folds and wrinkles", SCA 2003,
+//!   <https://doi.org/10.2312/SCA03/028-036>: the force `Fᵢ = kₑ |E|²/(|N₁| + |N₂|) sin(θ/2) uᵢ`, where u₁…u₄ are
+//!   `∂θ/∂x`, and the normals N are twice an area long.
+//! - R. Tamstorf, E. Grinspun, "Discrete bending forces and their Jacobians", Graphical Models 75 (2013),
+//!   <https://doi.org/10.1016/j.gmod.2013.07.001>: the Hessian of θ.
 
 use super::cotangent::on_each_hinge;
 use crate::cloth::Elements;
@@ -35,12 +37,22 @@ pub enum HingeLaw {
 ///
 /// `θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)`, with `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e`.
 ///
-/// One row. By the first law `C = θ − θ₀` (rad), taken the short way round into [−π, π], so that `E` stays continuous
+/// One row. By the first law `C = θ − θ₀` (rad), wrapped into [−π, π], so that `E` stays continuous
 /// when a wing passes from π to −π; by the second the root of `2E/K`, with the sign of `θ − θ₀`. The gradient of θ is
 /// `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge by the lever rule:
 /// `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with `tᵢ = (xᵢ − x₀)·e/‖e‖²`.
-/// The Hessian follows from these with `∂n = [e]× ∂d − [d]× ∂e` for `n = e × d`: that is `n₂` for `d = x₂ − x₀`, and
-/// `−n₃` for `d = x₃ − x₀`.
+///
+/// The Hessian, wing by wing. With `d = x₂ − x₀`, `n = e × d = n₂`, `n̂ = n/‖n‖`, `ê = e/‖e‖`, `t = d·e/‖e‖²` and
+/// `g = ∂θ/∂x₂ = −‖e‖ n/‖n‖²`, the derivatives of g and of the part −t g that `x₁` gets are
+///
+/// ```text
+/// ∂g/∂d = −(‖e‖/‖n‖²)(I − 2n̂n̂ᵀ)[e]×                    ∂(−t g)/∂d = −t ∂g/∂d − g eᵀ/‖e‖²
+/// ∂g/∂e =  (‖e‖/‖n‖²)(I − 2n̂n̂ᵀ)[d]× − n̂êᵀ/‖n‖          ∂(−t g)/∂e = −t ∂g/∂e − g (d − 2t e)ᵀ/‖e‖²
+/// ```
+///
+/// by `∂n = [e]× ∂d − [d]× ∂e`. Since `∂/∂x₂ = ∂/∂d`, `∂/∂x₁ = ∂/∂e` and `∂/∂x₀ = −∂/∂d − ∂/∂e`, these are two rows of
+/// three blocks; the row of `x₀` makes the columns sum to zero. The other wing has the same with `d = x₃ − x₀`,
+/// `n = −n₃` and the opposite sign. `∂²θ` is the sum of both.
 ///
 /// Limits: by the first law E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`, and by the
 /// second it jumps where a wing passes through the other, `|θ| = π`, unless the hinge is flat at rest. A hinge with a
@@ -119,7 +131,7 @@ impl DihedralHinge {
     /// C (rad) at the angle θ (rad), C′, and C C″.
     fn constraint(&self, angle: Real) -> [Real; 3] {
         match self.law {
-            HingeLaw::Angle => [short_way(angle - self.rest_angle), 1.0, 0.0],
+            HingeLaw::Angle => [wrapped(angle - self.rest_angle), 1.0, 0.0],
             HingeLaw::HalfSine => half_sine(angle, self.rest_angle),
         }
     }
@@ -233,8 +245,8 @@ fn turn(left: &Wing, right: &Wing) -> Real {
     sine.atan2(-left.normal.dot(&right.normal))
 }
 
-/// An angle (rad) taken the short way round, into [−π, π].
-fn short_way(angle: Real) -> Real {
+/// An angle (rad) wrapped into [−π, π].
+fn wrapped(angle: Real) -> Real {
     if angle > PI {
         angle - TAU
     } else if angle < -PI {

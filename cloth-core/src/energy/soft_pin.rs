@@ -3,7 +3,7 @@
 use super::Attachment;
 use crate::element::{Constraint, Element, Projective, Row, RowForm};
 use crate::math::{Real, Vec3};
-use crate::pin::Motion;
+use crate::pin::PinMotion;
 
 /// An [`Attachment`] whose point moves: `E = ½ k ‖x − p(t)‖²` (J).
 ///
@@ -14,7 +14,7 @@ pub struct SoftPin {
     vertex: u32,
     stiffness: Real,
     start: Vec3,
-    motion: Motion,
+    motion: PinMotion,
     since: Real,
     /// p (m) at the time that was set last.
     target: Vec3,
@@ -23,7 +23,7 @@ pub struct SoftPin {
 impl SoftPin {
     /// A pin of `stiffness` k (N/m) whose point is at `start` (m) until the time `since` (s), and moves from then on.
     #[must_use]
-    pub fn new(vertex: u32, stiffness: Real, start: Vec3, motion: Motion, since: Real) -> Self {
+    pub fn new(vertex: u32, stiffness: Real, start: Vec3, motion: PinMotion, since: Real) -> Self {
         Self {
             vertex,
             stiffness,
@@ -48,7 +48,7 @@ impl SoftPin {
 
     /// How its point moves.
     #[must_use]
-    pub fn motion(&self) -> &Motion {
+    pub fn motion(&self) -> &PinMotion {
         &self.motion
     }
 

@@ -82,8 +82,7 @@ impl Spring {
 /// zero; the faster form keeps the direction of those down to 10⁻¹⁴⁵ m.
 const SHORTEST_SQUARED: Real = 1e-290;
 
-/// Length and direction where the square of the length is no number to work with: seldom needed, and kept out of the
-/// way of the loops.
+/// Length and direction where the square of the length underflows: seldom needed, and kept out of the way of the loops.
 #[cold]
 #[inline(never)]
 fn lost(d: Vec3, vertices: [u32; 2]) -> (Real, Vec3) {
@@ -140,7 +139,8 @@ impl Constraint<2> for Spring {
         let squared = d.norm_squared();
         let mut length = squared.sqrt();
         let mut value = length - self.rest_length;
-        // One comparison, with no number at the end of the range: those become a test of bits, several times as long.
+        // One comparison with a normal number: one with 0, subnormal numbers or NaN becomes a test of bits, several
+        // times as long.
         if squared < SHORTEST_SQUARED {
             let shortest;
             (shortest, d) = lost(d, self.vertices);
@@ -216,6 +216,10 @@ impl Projective<2, 1> for Spring {
     #[inline]
     fn projected_hessian(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = length_and_direction(z, self.vertices);
-        [[crate::math::radial_resistance(length, n, self.rest_length)]]
+        [[crate::math::projected_radial_hessian(
+            length,
+            n,
+            self.rest_length,
+        )]]
     }
 }

@@ -174,7 +174,7 @@ impl Projective<2, 1> for StrainLimitSpring {
         [[if nearest == length && self.shortest < self.longest {
             Mat3::zeros()
         } else {
-            crate::math::radial_resistance(length, n, nearest)
+            crate::math::projected_radial_hessian(length, n, nearest)
         }]]
     }
 }

@@ -83,8 +83,8 @@ impl StrainLimitTriangle {
     }
 
     /// The four modes of F in which its singular vectors turn, as left vectors, a scale and the second derivative of
-    /// `½ Σ C²` along each: both in the plane, and each of the two out of it, with u₃ the normal. They are those of an
-    /// [`ArapTriangle`](super::ArapTriangle), whose C is `σ − 1`.
+    /// `½ Σ C²` along each: twist and flip in the plane, and each of the two out of it, with u₃ the normal. They are
+    /// those of an [`ArapTriangle`](super::ArapTriangle), whose C is `σ − 1`.
     fn turns(&self, singular: &Singular) -> [(Real, [Vec3; 2], Real); 4] {
         let [u, v] = singular.left;
         let (w, zero) = (u.cross(&v), Vec3::zeros());

@@ -1,7 +1,8 @@
 //! The linear-elastic sheet at large rotations: St. Venant–Kirchhoff triangles.
 //!
 //! P. Volino, N. Magnenat-Thalmann, F. Faure, "A simple approach to nonlinear tensile stiffness for accurate cloth
-//! simulation", ACM Trans. Graph. 28 (2009), <https://doi.org/10.1145/1559755.1559762>.
+//! simulation", ACM Trans. Graph. 28(4), 2009, article 105, <https://doi.org/10.1145/1559755.1559762>: the columns f
+//! and g of F are their U and V, and G₁₁, G₂₂, G₁₂ their strains ε_uu, ε_vv, ε_uv.
 
 use super::triangle_map::TriangleMap;
 use crate::cloth::Elements;
@@ -25,12 +26,17 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 /// or, with Lamé's coefficients, `S = 2μ G + λ tr(G) I`, `μ = Y/(2(1 + ν))`, `λ = Y ν/(1 − ν²)`. This λ is not t times
 /// that of the solid, `Y ν/((1 + ν)(1 − 2ν))`, which holds where the thickness cannot change.
 ///
-/// The rows are G in the eigenbasis of H,
+/// The rows are G in the eigenbasis of H, `C = ((G₁₁ + G₂₂)/√2, (G₁₁ − G₂₂)/√2, √2 G₁₂)`. With the columns f and g of
+/// `F = Σ xᵢ bᵢᵀ`, where the constant `bᵢ = (bᵢ₁, bᵢ₂)` (1/m) sum to zero (`triangle_map.rs`),
 ///
-/// `C = ((G₁₁ + G₂₂)/√2, (G₁₁ − G₂₂)/√2, √2 G₁₂)`, `k = (A Y/(1 − ν), A Y/(1 + ν), A Y/(1 + ν))`,
+/// ```text
+/// C₁ = (f·f + g·g − 2)/(2√2)    ∂C₁/∂xᵢ = (bᵢ₁ f + bᵢ₂ g)/√2    k = A Y/(1 − ν)
+/// C₂ = (f·f − g·g)/(2√2)        ∂C₂/∂xᵢ = (bᵢ₁ f − bᵢ₂ g)/√2    k = A Y/(1 + ν)
+/// C₃ = f·g/√2                   ∂C₃/∂xᵢ = (bᵢ₁ g + bᵢ₂ f)/√2    k = A Y/(1 + ν)
+/// ```
 ///
-/// so `E = ½ Σ k C²` is diagonal. Pulled to s times its length along one direction the sheet answers with
-/// `P = Y s (s² − 1)/2` (N/m), and gets `√(1 − ν (s² − 1))` times as wide, in any direction.
+/// so `E = ½ Σ k C²` is diagonal, and `∂E/∂xᵢ = A F S bᵢ`. Pulled to s times its length along one direction the sheet
+/// answers with `P = Y s (s² − 1)/2` (N/m), and gets `√(1 − ν (s² − 1))` times as wide, in any direction.
 ///
 /// Limits: pressed below `s = 1/√3` the force decreases, and a triangle pressed to nothing costs a finite energy. E is
 /// a polynomial of the positions, so E and its derivatives are finite for a collapsed triangle too.

@@ -1,4 +1,8 @@
 //! A tetrahedron that wants to keep its volume.
+//!
+//! M. Teschner, B. Heidelberger, M. Müller, M. Gross, "A versatile and robust model for geometrically complex
+//! deformable solids", Computer Graphics International 2004: their potential for the preservation of volume, here with
+//! `k = K/V₀`.
 
 use crate::element::{Constraint, Convexity, Element, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};

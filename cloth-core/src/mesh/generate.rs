@@ -69,7 +69,7 @@ pub fn grid(
     positive("height", height)?;
     room_for(2.0 * columns as Real * rows as Real)?;
     let (cells_x, cells_y) = (columns - 1, rows - 1);
-    // Counted in half cells, so that lattice and middle vertices share one formula.
+    // Counted in half cells, so that grid points and cell centres share one formula.
     let point = |x2: usize, y2: usize| {
         Vec3::new(
             width * x2 as Real / (2 * cells_x) as Real,
@@ -78,8 +78,8 @@ pub fn grid(
         )
     };
     let cells = || (0..cells_y).flat_map(|r| (0..cells_x).map(move |c| (c, r)));
-    let lattice = (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r)));
-    let mut positions: Vec<Vec3> = lattice.map(|(c, r)| point(2 * c, 2 * r)).collect();
+    let grid_points = (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r)));
+    let mut positions: Vec<Vec3> = grid_points.map(|(c, r)| point(2 * c, 2 * r)).collect();
     let mut triangles = Vec::with_capacity(4 * cells_x * cells_y);
     for (c, r) in cells() {
         let a = (r * columns + c) as u32;
@@ -113,8 +113,8 @@ pub fn equilateral(columns: usize, rows: usize, edge: Real) -> Result<TriMesh, M
     at_least("rows", rows, 2, "at least 2")?;
     positive("edge", edge)?;
     room_for(columns as Real * rows as Real)?;
-    let lattice = (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r)));
-    let positions = lattice.map(|(c, r)| {
+    let grid_points = (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r)));
+    let positions = grid_points.map(|(c, r)| {
         let shift = if r % 2 == 1 { 0.5 } else { 0.0 };
         let height = r as Real * 0.75_f64.sqrt();
         edge * Vec3::new(c as Real + shift, height, 0.0)

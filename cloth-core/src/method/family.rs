@@ -277,12 +277,6 @@ impl Energies {
         self.vertex_count
     }
 
-    /// Number of families that are not empty.
-    #[must_use]
-    pub fn family_count(&self) -> usize {
-        self.families.len()
-    }
-
     /// Sets the elements to a time (s); see [`Element::set_time`](crate::element::Element::set_time).
     pub fn set_time(&mut self, time: Real) {
         for family in &mut self.families {

@@ -8,7 +8,7 @@
 
 use crate::math::{Real, Vec3};
 use crate::method::chunked::map_reduce;
-use crate::method::vectors::dot_of_part;
+use crate::method::vectors::dot_of_chunk;
 
 /// Pairs that can be kept, at most.
 pub const MOST_PAIRS: usize = 32;
@@ -229,7 +229,7 @@ impl<T: Stored> LimitedMemory<T> {
                 for k in self.places() {
                     add(out, gamma[k], &self.pairs[k].step[start..]);
                 }
-                [dot_of_part(out, gradient)]
+                [dot_of_chunk(out, gradient)]
             },
         );
         slope

@@ -16,7 +16,7 @@ pub const ARMIJO: Real = 1e-4;
 /// What is known at a step length that was tried.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial {
-    /// How much the objective rose (J), or no number.
+    /// How much the objective rose (J); it may be NaN or infinite.
     pub rise: Real,
     /// Whether the method accepts it.
     pub accepted: bool,
@@ -62,6 +62,6 @@ pub fn backtrack(
 
 fn shorter(length: Real, slope: Real, rise: Real) -> Real {
     let minimum = -0.5 * slope * length * length / (rise - slope * length);
-    // A rise that is not a number comes out of `min` as a half, an infinite one of `max` as a tenth.
+    // A rise that is NaN comes out of `min` as a half, an infinite one of `max` as a tenth.
     minimum.min(0.5 * length).max(0.1 * length)
 }

@@ -65,7 +65,7 @@ use std::sync::Arc;
 
 /// A level with no more vertices than this is solved directly.
 const COARSEST: usize = 48;
-/// A level that keeps more than this part of the vertices of the one before is not worth having.
+/// A level that keeps more than this fraction of the vertices of the one before is not made.
 const WORTHWHILE: Real = 0.8;
 
 /// The levels for matrices of one pattern, and the numbers of the last one.
@@ -135,8 +135,8 @@ impl Multigrid {
         self.levels.iter().map(Level::len)
     }
 
-    /// Takes in the numbers of a matrix (N/m) on the pattern. Returns false where the coarsest level shows that it is
-    /// not positive definite; then there is no correction from there.
+    /// Updates the levels for the numbers of a matrix (N/m) on the pattern. Returns false where the coarsest level
+    /// shows that it is not positive definite; then there is no correction from there.
     ///
     /// # Panics
     /// If the matrix has another number of blocks.

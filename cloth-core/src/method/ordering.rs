@@ -142,14 +142,6 @@ impl Order {
         picked(values, &self.old_of_new)
     }
 
-    /// The same into a buffer of the same length, without allocating.
-    ///
-    /// # Panics
-    /// If the lengths are not [`Order::len`].
-    pub fn apply_into<T: Clone>(&self, values: &[T], out: &mut [T]) {
-        pick_into(values, &self.old_of_new, out);
-    }
-
     /// Values per vertex from the new order back to the old one.
     ///
     /// # Panics
@@ -157,14 +149,6 @@ impl Order {
     #[must_use]
     pub fn restore<T: Clone>(&self, values: &[T]) -> Vec<T> {
         picked(values, &self.new_of_old)
-    }
-
-    /// The same into a buffer of the same length, without allocating.
-    ///
-    /// # Panics
-    /// If the lengths are not [`Order::len`].
-    pub fn restore_into<T: Clone>(&self, values: &[T], out: &mut [T]) {
-        pick_into(values, &self.new_of_old, out);
     }
 
     /// The mesh with vertices in the new order and triangles sorted by their smallest new vertex.
@@ -201,14 +185,6 @@ impl Order {
 fn picked<T: Clone>(values: &[T], from: &[u32]) -> Vec<T> {
     assert_eq!(values.len(), from.len(), "one value per vertex");
     from.iter().map(|&i| values[i as usize].clone()).collect()
-}
-
-fn pick_into<T: Clone>(values: &[T], from: &[u32], out: &mut [T]) {
-    assert_eq!(values.len(), from.len(), "one value per vertex");
-    assert_eq!(out.len(), from.len(), "room for one value per vertex");
-    for (slot, &i) in out.iter_mut().zip(from) {
-        slot.clone_from(&values[i as usize]);
-    }
 }
 
 /// Moves bit k of the lowest 21 bits to bit 3k, to leave room for two other coordinates.

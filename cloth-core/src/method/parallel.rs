@@ -289,10 +289,10 @@ unsafe fn visit_each_avx2<const BACK: bool, const N: usize, E, A, P: Copy>(
     unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
 }
 
-/// Positions are asked for while so many elements before them are visited: long enough for the memory to answer.
+/// Positions are prefetched this many elements ahead of their visit: long enough for the memory to answer.
 const AHEAD: usize = 16;
 
-/// With fewer vertices than this the positions are in a cache, and asking for them costs more than it saves.
+/// With fewer vertices than this the positions are in a cache, and prefetching costs more than it saves.
 const FAR: usize = 1 << 17;
 
 /// The one loop behind all visits.
@@ -352,7 +352,9 @@ struct Positions<'a, P> {
     borrow: PhantomData<&'a mut [P]>,
 }
 
-#[allow(unsafe_code)] // SAFETY: only `visit_each` uses the pointer, under the condition it states; what it hands from thread to thread is `Send`.
+// SAFETY: only `visit_each` uses the pointer, under the condition it states; what it hands from thread to thread is
+// `Send`.
+#[allow(unsafe_code)]
 unsafe impl<P: Send> Sync for Positions<'_, P> {}
 
 impl<'a, P> Positions<'a, P> {

@@ -47,12 +47,12 @@ impl TrustRadius {
         Trusted { longest, fraction }
     }
 
-    /// Takes notice of a step that had to be shortened, and of the displacement (m) of its farthest vertex.
+    /// Records a step that had to be shortened, and the displacement (m) of its farthest vertex.
     pub fn shorten(&mut self, displacement: Real) {
         self.radius = AFTER_SHORTER * displacement;
     }
 
-    /// Takes notice of a step that was shortened by nothing but the radius.
+    /// Records a step that was shortened by nothing but the radius.
     pub fn grow(&mut self) {
         self.radius *= self.growth;
     }

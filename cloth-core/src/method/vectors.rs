@@ -12,7 +12,7 @@ pub fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
     let sum = map_reduce(
         (a, b),
         #[inline(always)]
-        |_, (a, b)| [dot_of_part(a, b)],
+        |_, (a, b)| [dot_of_chunk(a, b)],
     );
     sum[0]
 }
@@ -31,10 +31,10 @@ pub fn add(y: &mut [Vec3], factor: Real, x: &[Vec3]) {
     );
 }
 
-/// `Σ aᵢ·bᵢ` of a part.
+/// `Σ aᵢ·bᵢ` of a chunk.
 #[inline(always)]
 #[must_use]
-pub fn dot_of_part(a: &[Vec3], b: &[Vec3]) -> Real {
+pub fn dot_of_chunk(a: &[Vec3], b: &[Vec3]) -> Real {
     let mut sums = [[0.0; 3]; ABREAST];
     let ((a, a_last), (b, b_last)) = (a.as_chunks(), b.as_chunks());
     for (a, b) in a.iter().zip(b) {

@@ -1,7 +1,7 @@
-//! The mesh of edge midpoints: triangles that hang together at the middles of their edges only.
+//! The mesh of edge midpoints: triangles that are connected at the middles of their edges only.
 
 use super::edges::{EdgeTable, NONE, triangle_edges};
-use crate::math::{Real, Vec3, gather};
+use crate::math::{Vec3, gather};
 use crate::mesh::{MeshError, TriMesh};
 
 /// A mesh seen from the middles of its edges: E points with F small triangles, a quarter as large as those of the mesh,
@@ -12,8 +12,8 @@ use crate::mesh::{MeshError, TriMesh};
 /// nonconforming elements (E. English, R. Bridson, "Animating developable surfaces using nonconforming elements", 2008,
 /// <https://doi.org/10.1145/1360612.1360665>).
 ///
-/// Limits: neighbouring triangles agree at one point of their edge, so the surface has gaps
-/// ([`Midpoints::widest_gap`]); [`Midpoints::vertices`] closes them for display and contact, by a mean.
+/// Limits: neighbouring triangles agree at one point of their edge, so the surface has gaps; [`Midpoints::vertices`]
+/// closes them for display and contact, by a mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Midpoints {
     mesh: TriMesh,
@@ -68,40 +68,18 @@ impl Midpoints {
     /// If there is not one position per edge.
     #[must_use]
     pub fn vertices(&self, midpoints: &[Vec3]) -> Vec<Vec3> {
-        let mut sum = vec![(Vec3::zeros(), 0.0); self.vertex_count];
-        self.each_corner(midpoints, |vertex, corner| {
-            sum[vertex].0 += corner;
-            sum[vertex].1 += 1.0;
-        });
-        sum.into_iter().map(|(sum, count)| sum / count).collect()
-    }
-
-    /// The largest distance (m) between a corner of a triangle and the vertex that [`Midpoints::vertices`] makes of it.
-    ///
-    /// # Panics
-    /// If there is not one position per edge.
-    #[must_use]
-    pub fn widest_gap(&self, midpoints: &[Vec3]) -> Real {
-        let vertices = self.vertices(midpoints);
-        let mut widest: Real = 0.0;
-        self.each_corner(midpoints, |vertex, corner| {
-            widest = widest.max((corner - vertices[vertex]).norm());
-        });
-        widest
-    }
-
-    fn each_corner(&self, midpoints: &[Vec3], mut visit: impl FnMut(usize, Vec3)) {
         assert_eq!(midpoints.len(), self.ends.len(), "one position per edge");
+        let mut sum = vec![(Vec3::zeros(), 0.0); self.vertex_count];
         for (&corners, &middles) in self.triangles.iter().zip(self.mesh.triangles()) {
             let [ab, bc, ca] = gather(midpoints, middles);
-            for (vertex, corner) in
-                corners
-                    .into_iter()
-                    .zip([ab + ca - bc, ab + bc - ca, bc + ca - ab])
-            {
-                visit(vertex as usize, corner);
+            let extrapolated = [ab + ca - bc, ab + bc - ca, bc + ca - ab];
+            for (vertex, corner) in corners.into_iter().zip(extrapolated) {
+                let (sum, count) = &mut sum[vertex as usize];
+                *sum += corner;
+                *count += 1.0;
             }
         }
+        sum.into_iter().map(|(sum, count)| sum / count).collect()
     }
 
     /// The five midpoints of the hinge at an inner edge, as [`crate::energy::MidpointHinge`] takes them, and the four

@@ -84,7 +84,10 @@ fn what_has_no_inside_is_refused() {
     triangles[3].swap(0, 1);
     let mixed = TriMesh::new(ball.positions().to_vec(), triangles).unwrap();
     let mixed = Pressure::new(1.0, &mixed).unwrap_err();
-    assert!(matches!(mixed, EnclosureError::Disagree(_)), "{mixed}");
+    assert!(
+        matches!(mixed, EnclosureError::InconsistentlyOriented(_)),
+        "{mixed}"
+    );
     let endless = Pressure::new(f64::INFINITY, &ball).unwrap_err();
     assert!(endless.to_string().contains("finite"), "{endless}");
 }

@@ -6,15 +6,15 @@ use cloth_core::math; // files of the library that are included ask for `crate::
 mod air;
 mod area_volume;
 mod bending;
-mod carriers;
 mod cloth;
+#[cfg(feature = "cholesky")]
+mod coarse_membrane;
 mod coloring;
 mod contact_steps;
 #[path = "../support/counting_allocator.rs"]
 mod counting_allocator;
-#[cfg(feature = "cholesky")]
-mod detail;
 mod directions;
+mod discretization;
 #[cfg(feature = "cholesky")]
 mod dof;
 #[path = "../support/element_checks.rs"]
@@ -32,6 +32,8 @@ mod line_search;
 #[cfg(feature = "cholesky")]
 mod linear;
 mod linear_solvers;
+#[cfg(feature = "cholesky")]
+mod locking_remedies;
 mod membrane;
 mod mesh;
 mod multigrid;
@@ -43,8 +45,6 @@ mod position_based;
 mod projection;
 mod prolongation;
 mod random;
-#[cfg(feature = "cholesky")]
-mod relief;
 #[cfg(feature = "cholesky")]
 mod saddle;
 mod semidefinite;

@@ -1,7 +1,8 @@
 //! A cloth of several materials: each piece is what its own material says, and nothing else changes.
 
 use cloth_core::cloth::{
-    BendingCarrier, Cloth, ClothError, ClothModel, Discretization, Membrane, MembraneCarrier, Piece,
+    BendingElements, Cloth, ClothError, ClothModel, Discretization, Membrane, MembraneElements,
+    Piece,
 };
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, join};
@@ -21,10 +22,10 @@ fn sheet() -> TriMesh {
     grid(5, 4, 1.0, 0.7, Diagonals::Alternating).unwrap()
 }
 
-fn piece(cloth: Cloth, carriers: Discretization, triangles: std::ops::Range<u32>) -> Piece {
+fn piece(cloth: Cloth, discretization: Discretization, triangles: std::ops::Range<u32>) -> Piece {
     Piece {
         cloth,
-        carriers,
+        discretization,
         triangles: triangles.collect(),
     }
 }
@@ -33,13 +34,16 @@ fn piece(cloth: Cloth, carriers: Discretization, triangles: std::ops::Range<u32>
 fn one_piece_of_all_triangles_is_the_whole_cloth() {
     let mesh = sheet();
     let all = mesh.triangles().len() as u32;
-    for bending in [BendingCarrier::Quadratic, BendingCarrier::Dihedral] {
-        let carriers = Discretization {
+    for bending in [BendingElements::Quadratic, BendingElements::Dihedral] {
+        let discretization = Discretization {
             bending,
             ..Discretization::default()
         };
-        let model = ClothModel::of_pieces(&mesh, &[piece(COTTON, carriers, 0..all)]).unwrap();
-        assert_eq!(model, COTTON.discretized_with(&carriers, &mesh).unwrap());
+        let model = ClothModel::of_pieces(&mesh, &[piece(COTTON, discretization, 0..all)]).unwrap();
+        assert_eq!(
+            model,
+            COTTON.discretized_with(&discretization, &mesh).unwrap()
+        );
     }
 }
 
@@ -47,8 +51,8 @@ fn one_piece_of_all_triangles_is_the_whole_cloth() {
 #[test]
 fn pieces_apart_are_the_cloths_they_would_be_alone() {
     let stvk = Discretization {
-        membrane: MembraneCarrier::Stvk { poisson_ratio: 0.2 },
-        bending: BendingCarrier::Dihedral,
+        membrane: MembraneElements::Stvk { poisson_ratio: 0.2 },
+        bending: BendingElements::Dihedral,
         ..Discretization::default()
     };
     let sheet = sheet();
@@ -64,8 +68,9 @@ fn pieces_apart_are_the_cloths_they_would_be_alone() {
             piece(LEATHER, second, triangles..2 * triangles),
         ];
         let model = ClothModel::of_pieces(&both, &pieces).unwrap();
-        let alone = [(COTTON, first), (LEATHER, second)]
-            .map(|(cloth, carriers)| cloth.discretized_with(&carriers, &sheet).unwrap());
+        let alone = [(COTTON, first), (LEATHER, second)].map(|(cloth, discretization)| {
+            cloth.discretized_with(&discretization, &sheet).unwrap()
+        });
         let masses = alone.each_ref().map(|model| model.particles.mass());
         assert_eq!(model.particles.mass(), masses.concat());
         let x: Vec<_> = (0..2 * count)
@@ -88,7 +93,7 @@ fn what_is_in_no_piece_carries_nothing() {
     let rest = TriMesh::new(mesh.positions().to_vec(), corners.collect());
     let pieces = [Piece {
         cloth: LEATHER,
-        carriers: Discretization::default(),
+        discretization: Discretization::default(),
         triangles: kept,
     }];
     let model = ClothModel::of_pieces(&mesh, &pieces).unwrap();

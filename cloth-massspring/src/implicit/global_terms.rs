@@ -35,7 +35,7 @@ impl GlobalTerms {
     ) {
         self.clear();
         contact.linearize_globally(x, &mut self.rows);
-        self.rows.hold(|vertex| !is_free[vertex]);
+        self.rows.remove_fixed(|vertex| !is_free[vertex]);
         for number in 0..self.rows.rows().len() {
             self.dense.clear();
             self.dense.resize(x.len(), Vec3::zeros());

@@ -1,7 +1,7 @@
 //! The estimate of the stable step, and what happens beyond it.
 
 use crate::{DOWN, chain, hang, oscillator};
-use cloth_core::cloth::{BendingCarrier, Cloth, Discretization, Membrane};
+use cloth_core::cloth::{BendingElements, Cloth, Discretization, Membrane};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::kinetic_energy;
@@ -206,11 +206,11 @@ fn energy_from_below_zero_is_no_gain() {
         membrane: Membrane::SpringStiffness(1e3),
         bending_rigidity: 0.1,
     };
-    let carriers = Discretization {
-        bending: BendingCarrier::Cubic,
+    let discretization = Discretization {
+        bending: BendingElements::Cubic,
         ..Discretization::default()
     };
-    let model = cloth.discretized_with(&carriers, &mesh).unwrap();
+    let model = cloth.discretized_with(&discretization, &mesh).unwrap();
     let energies = model.energies().unwrap();
     let stable = stable_time_step(&energies, &model.particles, mesh.positions()).unwrap();
     let builder = SymplecticEuler::builder(&model.particles).elements(model.families());

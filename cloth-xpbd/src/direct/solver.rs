@@ -186,7 +186,7 @@ impl DirectXpbd {
         let unknown =
             self.config.warm_start && self.config.geometric_stiffness && self.last.is_none();
         self.begin(state, input, update);
-        // A row whose stiffness is not a number would be none.
+        // A row whose stiffness is NaN would be left out.
         if let Some(row) = self.rows.stiffness.iter().position(|k| k.is_nan()) {
             let vertex = self.rows.vertices[self.rows.entries(row).start] as usize;
             return Err(StepError::NonFinite { vertex, step });

@@ -69,7 +69,7 @@ use cloth_core::step::BuildError;
 /// ```
 ///
 /// Flat, θ = 0, is regular. (`arccos(n₂·n₃)` of unit normals, as in Müller et al. 2007, has there the slope
-/// `−1/√(1 − (n₂·n₃)²)`, which is infinite.) `θ − θ₀` is taken the short way round.
+/// `−1/√(1 − (n₂·n₃)²)`, which is infinite.) `θ − θ₀` is wrapped into [−π, π].
 #[derive(Debug)]
 pub struct XpbdBuilder {
     motion: Motion,
@@ -116,9 +116,6 @@ impl XpbdBuilder {
     /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
     /// do not have, or one twice.
-    ///
-    /// # Panics
-    /// If an element of a coloured sweep names a vertex twice.
     pub fn build(self) -> Result<XpbdSolver, BuildError> {
         let (motion, config) = (self.motion, self.config);
         check_counts(config.iterations, config.substeps)?;

@@ -8,7 +8,7 @@ use crate::scene::{Change, ChangeKind};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::Particles;
-use cloth_core::pin::Motion;
+use cloth_core::pin::PinMotion;
 
 impl Event {
     /// What is done.
@@ -88,7 +88,7 @@ pub(super) fn changes(
             if deed == Deed::Drag && motion.is_none() {
                 return Err(section.refuse_table("a drag needs a move or a turn"));
             }
-            let motion = motion.unwrap_or(Motion::NONE);
+            let motion = motion.unwrap_or(PinMotion::NONE);
             ChangeKind::Hold { vertices, motion }
         };
         changes.push(Change { time, kind });

@@ -77,7 +77,7 @@ impl Material {
             if !triangles.is_empty() {
                 pieces.push(Piece {
                     cloth: cloth::described(settings)?,
-                    carriers: cloth::carriers(settings)?,
+                    discretization: cloth::discretization(settings)?,
                     triangles,
                 });
             }

@@ -9,7 +9,7 @@ use cloth_core::cloth::{ClothModel, Elements};
 use cloth_core::energy::SoftPin;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use cloth_core::pin::{Motion, Pins};
+use cloth_core::pin::{PinMotion, Pins};
 use cloth_core::topology::EdgeTable;
 
 /// The vertices that a table holds, in the caller's numbers.
@@ -82,7 +82,7 @@ fn border(own: &Selection, mesh: &TriMesh) -> Result<Vec<usize>, BenchError> {
 /// Vertices that are held for some time.
 pub(super) struct Hold {
     pub(super) vertices: Vec<usize>,
-    motion: Option<Motion>,
+    motion: Option<PinMotion>,
     /// Of the spring of each (N/m); infinite if it is held.
     stiffness: Real,
     from: Real,
@@ -90,7 +90,7 @@ pub(super) struct Hold {
 }
 
 /// How a table says that its vertices move, if they do.
-pub(super) fn motion(section: &Section<'_>) -> Result<Option<Motion>, BenchError> {
+pub(super) fn motion(section: &Section<'_>) -> Result<Option<PinMotion>, BenchError> {
     let own = section.read::<Way>()?;
     let (shift, turn) = (*own.shift, *own.turn);
     if turn.is_none() {
@@ -100,7 +100,7 @@ pub(super) fn motion(section: &Section<'_>) -> Result<Option<Motion>, BenchError
         own.duration.refuse_without("a turn or a move")?;
         return Ok(None);
     }
-    Ok(Some(Motion {
+    Ok(Some(PinMotion {
         shift: shift.unwrap_or_default(),
         turn: turn.unwrap_or_default(),
         centre: own.centre.unwrap_or_default(),
@@ -174,7 +174,7 @@ impl Hold {
             from,
             until,
         } = self;
-        let motion = given.unwrap_or(Motion::NONE);
+        let motion = given.unwrap_or(PinMotion::NONE);
         let is_soft = stiffness.is_finite();
         if let Some(time) = until {
             let vertices = vertices.clone();

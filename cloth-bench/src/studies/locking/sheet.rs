@@ -3,7 +3,7 @@
 use super::count::mesh_of;
 use crate::studies::prelude::*;
 use cloth_core::cloth::{
-    Cloth, CoarseMembrane, Discretization, Elements, Membrane, MembraneCarrier, SpringEdges,
+    Cloth, CoarseMembrane, Discretization, Elements, Membrane, MembraneElements, SpringEdges,
     SpringLaw,
 };
 use cloth_core::element::Element;
@@ -91,7 +91,7 @@ impl Sheet {
         let stiff = cloth(modulus, rigidity);
         if kind == Kind::Midpoints {
             let cut = stiff
-                .on_midpoints(MembraneCarrier::Springs, &mesh)
+                .on_midpoints(MembraneElements::Springs, &mesh)
                 .map_err(BenchError::usage)?;
             let (bending, membrane) = parted(cut.model.families());
             return Ok(Self {
@@ -106,16 +106,16 @@ impl Sheet {
         let plain = Discretization::default();
         let law = |law| Discretization { law, ..plain };
         let edges = |edges| Discretization { edges, ..plain };
-        let carriers = match kind {
+        let discretization = match kind {
             Kind::Springs | Kind::Midpoints => plain,
             Kind::Stvk => Discretization {
-                membrane: MembraneCarrier::Stvk {
+                membrane: MembraneElements::Stvk {
                     poisson_ratio: 1.0 / 3.0,
                 },
                 ..plain
             },
             Kind::Arap => Discretization {
-                membrane: MembraneCarrier::Arap,
+                membrane: MembraneElements::Arap,
                 ..plain
             },
             Kind::Compression(share) => law(SpringLaw::Compression(share)),
@@ -124,19 +124,19 @@ impl Sheet {
             Kind::DofFraction(share) => edges(SpringEdges::DofFraction(share)),
             Kind::Quads => edges(SpringEdges::Quads),
             Kind::Level(level) => Discretization {
-                detail: Some(CoarseMembrane {
+                coarse_membrane: Some(CoarseMembrane {
                     level,
                     fine_fraction: 0.01,
                 }),
                 ..plain
             },
         };
-        let cut = |cloth: Cloth, carriers: &Discretization| {
+        let cut = |cloth: Cloth, discretization: &Discretization| {
             cloth
-                .discretized_with(carriers, &mesh)
+                .discretized_with(discretization, &mesh)
                 .map_err(BenchError::usage)
         };
-        let model = cut(stiff, &carriers)?;
+        let model = cut(stiff, &discretization)?;
         let (bending, mut membrane) = parted(model.families());
         if let Kind::Limited(_) = kind {
             membrane.extend(cut(cloth(0.01 * modulus, 0.0), &plain)?.families());

@@ -17,7 +17,7 @@ pub enum ObjProblem {
         /// How many it has.
         found: usize,
     },
-    /// A coordinate is no number.
+    /// A coordinate is not a number.
     NotANumber(String),
     /// A corner of a face is none of `v`, `v/vt`, `v//vn`, `v/vt/vn` with whole numbers other
     /// than 0.

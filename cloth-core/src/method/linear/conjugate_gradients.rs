@@ -61,7 +61,7 @@ impl ConjugateGradients {
         })
     }
 
-    /// What the last solve learnt of the eigenvalues of `D⁻¹A`, or of `A` without a preconditioner; `None` before it
+    /// What the last solve tells about the eigenvalues of `D⁻¹A`, or of `A` without a preconditioner; `None` before it
     /// has taken a step.
     #[must_use]
     pub fn spectrum(&self) -> Option<Spectrum> {

@@ -28,7 +28,7 @@ impl InverseDiagonal {
         }
     }
 
-    /// Inverts the diagonal blocks of a matrix. A block that is not positive definite betrays a matrix that is not.
+    /// Inverts the diagonal blocks of a matrix. A block that is not positive definite shows that the matrix is not.
     pub(super) fn invert(&mut self, matrix: &BlockMatrix) -> Result<(), LinearError> {
         let pattern = matrix.pattern();
         let mut prescribed = self.prescribed.iter().peekable();

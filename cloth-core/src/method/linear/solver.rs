@@ -66,7 +66,7 @@ pub struct LinearReport {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LinearError {
-    /// A pivot, a diagonal block or a curvature was not positive, or not a number.
+    /// A pivot, a diagonal block or a curvature was not positive, or NaN.
     NotPositiveDefinite,
     /// The residual grew, or overflowed.
     Diverged {

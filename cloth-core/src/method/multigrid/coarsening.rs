@@ -1,4 +1,4 @@
-//! Which vertices make the next coarser level, and how the others hang on them.
+//! Which vertices make the next coarser level, and how the others are interpolated from them.
 //!
 //! The coarse vertices are an independent set of the graph of strong couplings, and of neighbours across a common one
 //! that are near (J. W. Ruge, K. Stüben,
@@ -12,10 +12,10 @@ use crate::math::{Real, Vec3};
 /// Neighbours of each vertex and how strongly they are coupled to it (any unit), ascending.
 pub(super) type Graph = Vec<Vec<(u32, Real)>>;
 
-/// A coupling weaker than this part of a vertex's strongest is none.
+/// A coupling weaker than this fraction of a vertex's strongest does not count.
 const STRONG: Real = 0.25;
 /// How far a vertex may lie from the weighted mean of its parents, relative to their mean distance, before more distant
-/// ones are asked too.
+/// ones are taken too.
 const ASIDE: Real = 0.05;
 /// Two coarse vertices with a common neighbour are at least this many mean edge lengths apart.
 const CLOSE: Real = 1.45;

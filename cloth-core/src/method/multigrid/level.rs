@@ -1,10 +1,10 @@
 //! One level: its matrix, and symmetric Gauss–Seidel over it with the residual taken on the way.
 //!
-//! The rows are cut into chunks. Within a chunk the sweep is Gauss–Seidel, between chunks Jacobi: chunks do not wait
-//! for each other, and the result does not depend on how many threads share them (hybrid smoothers: A. H. Baker, R. D.
-//! Falgout, T. V. Kolev, U. M. Yang, "Multigrid smoothers for ultraparallel computing", SIAM J. Sci. Comput. 33(5),
-//! 2011, <https://doi.org/10.1137/100798806>). A forward sweep before the coarse correction and a backward one after it
-//! make the cycle symmetric.
+//! The rows are divided into chunks. Within a chunk the sweep is Gauss–Seidel, between chunks Jacobi: chunks do not
+//! wait for each other, and the result does not depend on how many threads share them (hybrid smoothers: A. H. Baker,
+//! R. D. Falgout, T. V. Kolev, U. M. Yang, "Multigrid smoothers for ultraparallel computing", SIAM J. Sci. Comput.
+//! 33(5), 2011, <https://doi.org/10.1137/100798806>). A forward sweep before the coarse correction and a backward one
+//! after it make the cycle symmetric.
 
 use super::blocks::{Block, Lanes, lanes, plus, vector};
 use super::prolongation::Prolongation;
@@ -74,7 +74,7 @@ impl Level {
         self.is_free.len()
     }
 
-    /// Takes notice of new blocks: inverts those on the diagonal.
+    /// Updates the level for new blocks: inverts those on the diagonal.
     pub(super) fn prepare(&mut self) {
         let [asymmetric] = map_reduce(
             &self.blocks[..],

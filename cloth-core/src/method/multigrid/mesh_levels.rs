@@ -45,7 +45,7 @@ const SMALLEST: usize = 4;
 ///
 /// Vertices are left out one after another as long as every one left out keeps at least `parent_count` neighbours on
 /// the coarse level, its parents, and lies among them. On a boundary, of the sheet or of a hole, its two neighbours
-/// there are needed and are the parents. Vertices that `hold` names are kept.
+/// there are needed and are the parents. Vertices for which `keep` is true are kept.
 ///
 /// # Panics
 /// If `edges` was built from another mesh.
@@ -53,7 +53,7 @@ const SMALLEST: usize = 4;
 pub fn coarse_levels(
     mesh: &TriMesh,
     edges: &EdgeTable,
-    hold: impl Fn(u32) -> bool,
+    keep: impl Fn(u32) -> bool,
     parent_count: usize,
     most: usize,
 ) -> Vec<CoarseLevel> {
@@ -69,8 +69,8 @@ pub fn coarse_levels(
             kept,
             prolongation,
             links,
-            rim_links,
-        } = coarsen(&graph, |v| hold(of_mesh(v)), &place, parent_count);
+            boundary_links,
+        } = coarsen(&graph, |v| keep(of_mesh(v)), &place, parent_count);
         let count = kept.len();
         if count < SMALLEST || 10 * count > 8 * graph.len() {
             break;
@@ -78,7 +78,7 @@ pub fn coarse_levels(
         vertices = kept.iter().map(|&v| vertices[v as usize]).collect();
         let lengths = lengths(&mut geodesics, &links, &vertices);
         let measured = links.iter().copied().zip(lengths.iter().copied());
-        graph = Graph::new(count, measured, rim_links.into_iter());
+        graph = Graph::new(count, measured, boundary_links.into_iter());
         levels.push(CoarseLevel {
             vertices: vertices.clone(),
             kept,

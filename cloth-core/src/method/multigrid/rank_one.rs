@@ -10,7 +10,7 @@ use super::prolongation::Prolongation;
 use crate::contact::ContactRow;
 use crate::math::{Mat3, Real, Vec3};
 
-/// Weights below this part of the largest one are left out of a coarse level.
+/// Weights below this fraction of the largest one are left out of a coarse level.
 const NEGLIGIBLE: Real = 1e-3;
 
 /// Sorts weights by vertex, from the one of number `first` on, and adds up those of one vertex.

@@ -12,7 +12,7 @@
 
 use super::graph::Graph;
 
-/// Parts of so few vertices are numbered as they come.
+/// Parts of at most this many vertices are numbered as they come.
 const LEAF: usize = 6;
 
 /// A half has at least this fraction of its part, where the steps allow two values of it.

@@ -145,7 +145,7 @@ impl Recurrence {
         if self.sweep < self.plain {
             self.largest = self.largest.max(size);
         }
-        // Written so that a size that is not a number counts as growth.
+        // Written so that NaN counts as growth.
         let calm = size <= self.largest && size <= REBOUND * self.smallest;
         if !(calm || size <= ROUNDING * self.largest) {
             self.disabled = true;
@@ -180,7 +180,7 @@ impl Recurrence {
                 if size < self.last {
                     self.radius = (size / self.last).sqrt().min(LARGEST_RADIUS);
                 } else {
-                    self.plain += 1; // nothing to be learnt from a correction that did not shrink
+                    self.plain += 1; // a correction that did not shrink tells nothing of ρ
                 }
             }
             return;

@@ -1,7 +1,7 @@
 //! The correction of one element: `Δxᵢ = wᵢ ∂C/∂xᵢ Δλ` over its rows, in the forms that make the loop fast.
 //!
 //! The plain form is [`row_by_row_correction`]. [`coupled_correction`] solves the rows of an element together,
-//! [`dead_zone_correction`] lets an inactive row take its multiplier back, and the others are the plain formula for
+//! [`dead_zone_correction`] reduces the multiplier of an inactive row to zero, and the others are the plain formula for
 //! rows of a special shape.
 
 use super::constraint_update::{ConstraintUpdate, RowEquation, RowState};
@@ -151,8 +151,8 @@ fn row_by_row_correction<const N: usize, A: RowArray<N>, U: ConstraintUpdate>(
     moved.map(|moved| moved * fraction)
 }
 
-/// Row after row, as [`row_by_row_correction`], each with its accumulated multiplier: a row that turns out to
-/// be inactive takes it back.
+/// Row after row, as [`row_by_row_correction`], each with its accumulated multiplier: that of a row that
+/// turns out to be inactive becomes zero.
 ///
 /// Never over-relaxed, because the multiplier must not change its sign.
 #[inline(always)]

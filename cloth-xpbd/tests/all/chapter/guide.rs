@@ -21,7 +21,7 @@ fn substeps_for(strain: Real, ratio: Real) -> Real {
     DT * (G * (n - 1.0) * heavier / (2.0 * LENGTH * strain)).sqrt()
 }
 
-/// The mean strain that so many substeps leave.
+/// The mean strain that a number of substeps leaves.
 fn strain_of(substeps: u32, ratio: Real) -> Real {
     let part = substeps_for(1.0, ratio) / Real::from(substeps);
     part * part

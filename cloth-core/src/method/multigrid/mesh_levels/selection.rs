@@ -12,7 +12,7 @@ pub(super) struct Graph {
     /// Neighbours of each vertex and their distances (m), in ascending order of their numbers.
     neighbors: Vec<Vec<(u32, Real)>>,
     /// Neighbours along the boundary.
-    rim: Vec<Vec<u32>>,
+    boundary: Vec<Vec<u32>>,
 }
 
 impl Graph {
@@ -20,40 +20,47 @@ impl Graph {
     pub(super) fn of_mesh(positions: &[Vec3], edges: &EdgeTable) -> Self {
         let length = |[a, b]: [u32; 2]| (positions[a as usize] - positions[b as usize]).norm();
         let links = edges.ends().iter().map(|&ends| (ends, length(ends)));
-        let rim = (0..edges.len()).filter(|&edge| edges.is_boundary(edge));
-        Self::new(positions.len(), links, rim.map(|edge| edges.ends()[edge]))
+        let boundary = (0..edges.len()).filter(|&edge| edges.is_boundary(edge));
+        Self::new(
+            positions.len(),
+            links,
+            boundary.map(|edge| edges.ends()[edge]),
+        )
     }
 
     pub(super) fn new(
         count: usize,
         links: impl Iterator<Item = ([u32; 2], Real)>,
-        rim_links: impl Iterator<Item = [u32; 2]>,
+        boundary_links: impl Iterator<Item = [u32; 2]>,
     ) -> Self {
         let mut neighbors = vec![Vec::new(); count];
         for ([a, b], length) in links {
             neighbors[a as usize].push((b, length));
             neighbors[b as usize].push((a, length));
         }
-        let mut rim = vec![Vec::new(); count];
-        for [a, b] in rim_links {
-            rim[a as usize].push(b);
-            rim[b as usize].push(a);
+        let mut boundary = vec![Vec::new(); count];
+        for [a, b] in boundary_links {
+            boundary[a as usize].push(b);
+            boundary[b as usize].push(a);
         }
         for list in &mut neighbors {
             list.sort_unstable_by_key(|&(v, _)| v);
         }
-        Self { neighbors, rim }
+        Self {
+            neighbors,
+            boundary,
+        }
     }
 
     pub(super) fn len(&self) -> usize {
         self.neighbors.len()
     }
 
-    /// On whom `v` could depend: inside, its neighbours; on the rim, its two neighbours there.
+    /// On which `v` could depend: inside, its neighbours; on the boundary, its two neighbours there.
     fn candidates(&self, v: usize) -> impl Iterator<Item = (u32, Real)> {
-        let on_rim = !self.rim[v].is_empty();
+        let on_boundary = !self.boundary[v].is_empty();
         let all = self.neighbors[v].iter().copied();
-        all.filter(move |(u, _)| !on_rim || self.rim[v].contains(u))
+        all.filter(move |(u, _)| !on_boundary || self.boundary[v].contains(u))
     }
 }
 
@@ -67,30 +74,31 @@ pub(super) struct Coarsening {
     /// lower number first.
     pub(super) links: Vec<[u32; 2]>,
     /// The same along the boundary.
-    pub(super) rim_links: Vec<[u32; 2]>,
+    pub(super) boundary_links: Vec<[u32; 2]>,
 }
 
 /// Leaves out as many vertices as it can in one go, so that each of them has at least `parent_count` parents among
-/// those kept, on the rim its two neighbours there, and lies among them. `hold` says which have to be kept: those that
-/// are prescribed. `place` (m) is where vertices are at rest.
+/// those kept, on the boundary its two neighbours there, and lies among them. `keep` says which have to be kept: those
+/// that are prescribed. `place` (m) is where vertices are at rest.
 pub(super) fn coarsen(
     graph: &Graph,
-    hold: impl Fn(u32) -> bool,
+    keep: impl Fn(u32) -> bool,
     place: &[Vec3],
     parent_count: usize,
 ) -> Coarsening {
     let count = graph.len();
     let mut is_kept = vec![true; count];
     let is_carried = |v: usize, is_kept: &[bool]| {
-        let on_rim = !graph.rim[v].is_empty();
-        let needed = if on_rim { 2 } else { parent_count };
+        let on_boundary = !graph.boundary[v].is_empty();
+        let needed = if on_boundary { 2 } else { parent_count };
         let mut parents = parents(graph, v, is_kept);
-        parents.len() >= needed && (on_rim || linear_weights(v, &mut parents, place, LEAST) < ASIDE)
+        parents.len() >= needed
+            && (on_boundary || linear_weights(v, &mut parents, place, LEAST) < ASIDE)
     };
-    // The rim first: what it keeps decides what the inside can lean on.
-    let rim = (0..count).filter(|&v| graph.rim[v].len() == 2);
-    let inside = (0..count).filter(|&v| graph.rim[v].is_empty());
-    for v in rim.chain(inside).filter(|&v| !hold(v as u32)) {
+    // The boundary first: what it keeps decides what the inside can depend on.
+    let boundary = (0..count).filter(|&v| graph.boundary[v].len() == 2);
+    let inside = (0..count).filter(|&v| graph.boundary[v].is_empty());
+    for v in boundary.chain(inside).filter(|&v| !keep(v as u32)) {
         is_kept[v] = false;
         let mut around = graph.neighbors[v].iter().map(|&(u, _)| u as usize);
         is_kept[v] =
@@ -104,7 +112,7 @@ const LEAST: Real = 0.0;
 /// How far a vertex may lie from the weighted mean of its parents, relative to their mean distance.
 const ASIDE: Real = 0.3;
 
-/// The vertices on whom `v` depends when it is left out, and the inverse of the length of each link to them (1/m).
+/// The vertices on which `v` depends when it is left out, and the inverse of the length of each link to them (1/m).
 fn parents(graph: &Graph, v: usize, is_kept: &[bool]) -> Vec<(u32, Real)> {
     let all = graph.candidates(v);
     let kept = all.filter(|&(p, _)| is_kept[p as usize]);
@@ -148,12 +156,13 @@ fn describe(graph: &Graph, is_kept: &[bool], place: &[Vec3]) -> Coarsening {
     };
     let all = graph.neighbors.iter().zip(0..);
     let links = through(&mut all.flat_map(|(list, v)| list.iter().map(move |&(u, _)| [u, v])));
-    let rim = graph.rim.iter().zip(0..);
-    let rim_links = through(&mut rim.flat_map(|(list, v)| list.iter().map(move |&u| [u, v])));
+    let boundary = graph.boundary.iter().zip(0..);
+    let boundary_links =
+        through(&mut boundary.flat_map(|(list, v)| list.iter().map(move |&u| [u, v])));
     Coarsening {
         prolongation: Prolongation::new(rows.iter().map(Vec::as_slice), kept.len()),
         kept,
         links,
-        rim_links,
+        boundary_links,
     }
 }

@@ -1,11 +1,11 @@
-//! Which vertices hang together, and where they do so by a single vertex only.
+//! Which vertices are connected, and where surfaces are connected by a single vertex only.
 
 use super::edges::EdgeTable;
 use crate::mesh::TriMesh;
 
-/// The piece each vertex belongs to, numbered from 0 in the order of their lowest vertices.
+/// The connected component of each vertex, numbered from 0 in the order of their lowest vertices.
 ///
-/// Triangles that share as much as one vertex belong to one piece: a force passes through a
+/// Triangles that share as much as one vertex are in one component: a force passes through a
 /// single vertex, so for mechanics this is one body.
 ///
 /// # Panics

@@ -1,4 +1,4 @@
-//! Remedies against locking that springs on edges can take: how they answer, and which edges carry one.
+//! Remedies against locking for springs on edges: how they resist a change of length, and which edges have one.
 //!
 //! A sheet of stiff edges has the freedom of its boundary only, `3χ + E_b`, and cannot fold where its mesh does not
 //! happen to have a line ([`crate::dof`]). Each remedy buys freedom and gives something up:
@@ -23,7 +23,7 @@ use crate::math::Real;
 use crate::mesh::TriMesh;
 use crate::topology::{EdgeTable, removable_edges};
 
-/// How the springs on the edges answer a change of length.
+/// How the springs on the edges resist a change of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SpringLaw {
     /// In proportion.
@@ -39,7 +39,7 @@ pub enum SpringLaw {
     DeadZone([Real; 2]),
 }
 
-/// Which edges carry springs.
+/// Which edges have springs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SpringEdges {
     /// All of them.
@@ -57,7 +57,7 @@ impl SpringLaw {
         match self {
             Self::Linear => Ok(()),
             Self::Compression(fraction) => {
-                let name = "part of k that springs keep under compression";
+                let name = "fraction of k that springs keep under compression";
                 within((0.0..=1.0).contains(&fraction), name, fraction, FRACTION)?;
                 Ok(())
             }
@@ -79,7 +79,7 @@ impl SpringLaw {
         })
     }
 
-    /// The springs that answer at every length, and those that do so outside a range.
+    /// The springs that resist at every length, and those that do so outside a range.
     pub(super) fn applied_to(
         self,
         mut springs: Vec<Spring>,

@@ -2,7 +2,7 @@
 
 use cloth_core::cloth::{
     Cloth, ClothError, ClothModel, CoarseMembrane, Discretization, Elements, Membrane,
-    MembraneCarrier, SpringEdges, SpringLaw,
+    MembraneElements, SpringEdges, SpringLaw,
 };
 use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_core::math::{Real, Vec3};
@@ -21,7 +21,7 @@ const SHARE: Real = 0.03;
 
 fn carried(level: u32) -> Discretization {
     Discretization {
-        detail: Some(CoarseMembrane {
+        coarse_membrane: Some(CoarseMembrane {
             level,
             fine_fraction: SHARE,
         }),
@@ -193,15 +193,15 @@ fn the_links_leave_most_coordinates_free() {
 fn the_whole_modulus_on_one_side_leaves_nothing_on_the_other() {
     let mesh = grid(9, 9, 1.0, 1.0, Diagonals::OneWay).unwrap();
     let with = |fine_fraction| {
-        let detail = Some(CoarseMembrane {
+        let coarse_membrane = Some(CoarseMembrane {
             level: 1,
             fine_fraction,
         });
-        let carriers = Discretization {
-            detail,
+        let discretization = Discretization {
+            coarse_membrane,
             ..Discretization::default()
         };
-        STIFF.discretized_with(&carriers, &mesh).unwrap()
+        STIFF.discretized_with(&discretization, &mesh).unwrap()
     };
     assert_eq!(with(1.0).energies().unwrap().value(mesh.positions()), 0.0);
     assert_eq!(with(1.0).springs, STIFF.on(&mesh).unwrap().springs);
@@ -212,10 +212,12 @@ fn the_whole_modulus_on_one_side_leaves_nothing_on_the_other() {
 #[test]
 fn what_does_not_fit_is_refused_with_numbers() {
     let mesh = grid(9, 9, 1.0, 1.0, Diagonals::OneWay).unwrap();
-    let refused = |carriers: Discretization| STIFF.discretized_with(&carriers, &mesh).unwrap_err();
-    for carriers in [
+    let refused = |discretization: Discretization| {
+        STIFF.discretized_with(&discretization, &mesh).unwrap_err()
+    };
+    for discretization in [
         Discretization {
-            membrane: MembraneCarrier::Arap,
+            membrane: MembraneElements::Arap,
             ..carried(1)
         },
         Discretization {
@@ -231,7 +233,10 @@ fn what_does_not_fit_is_refused_with_numbers() {
             ..carried(1)
         },
     ] {
-        assert_eq!(refused(carriers), ClothError::DetailWithoutSprings);
+        assert_eq!(
+            refused(discretization),
+            ClothError::CoarseMembraneWithoutSprings
+        );
     }
     let words = refused(carried(40)).to_string();
     assert!(
@@ -243,12 +248,12 @@ fn what_does_not_fit_is_refused_with_numbers() {
         ClothError::NoSuchLevel { level: 0, most: 1 }
     );
     for (fine_fraction, word) in [(1.5, "1.5"), (-0.5, "-0.5"), (Real::NAN, "NaN")] {
-        let detail = Some(CoarseMembrane {
+        let coarse_membrane = Some(CoarseMembrane {
             level: 1,
             fine_fraction,
         });
         let words = refused(Discretization {
-            detail,
+            coarse_membrane,
             ..Discretization::default()
         })
         .to_string();

@@ -1,8 +1,8 @@
 //! One description of a cloth, carried by different elements.
 
 use cloth_core::cloth::{
-    BendingCarrier, Cloth, ClothError, ClothModel, Discretization, Elements, Membrane,
-    MembraneCarrier,
+    BendingElements, Cloth, ClothError, ClothModel, Discretization, Elements, Membrane,
+    MembraneElements,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -14,7 +14,7 @@ const COTTON: Cloth = Cloth {
     membrane: Membrane::SpringStiffness(1e3),
     bending_rigidity: 1e-5,
 };
-const TRIANGLES: MembraneCarrier = MembraneCarrier::Stvk {
+const TRIANGLES: MembraneElements = MembraneElements::Stvk {
     poisson_ratio: 1.0 / 3.0,
 };
 
@@ -51,12 +51,12 @@ fn triangles_get_the_modulus_that_the_springs_have() {
         (sheet(Diagonals::Alternating), 1e3 * 4.0 / 3.0),
         (equilateral(9, 9, 0.1).unwrap(), 1e3 * 2.0 / 3.0_f64.sqrt()),
     ] {
-        for (membrane, poisson) in [(TRIANGLES, 1.0 / 3.0), (MembraneCarrier::Arap, 0.0)] {
-            let carriers = Discretization {
+        for (membrane, poisson) in [(TRIANGLES, 1.0 / 3.0), (MembraneElements::Arap, 0.0)] {
+            let discretization = Discretization {
                 membrane,
                 ..Default::default()
             };
-            let model = COTTON.discretized_with(&carriers, &mesh).unwrap();
+            let model = COTTON.discretized_with(&discretization, &mesh).unwrap();
             assert!(model.springs.is_empty());
             let energy = stored(&model, &mesh, |p| p * (1.0 + strain)) / mesh.area();
             let expected = modulus * strain * strain / (1.0 - poisson);
@@ -72,12 +72,12 @@ fn a_grid_with_both_diagonals_is_isotropic_when_they_are_half_as_stiff() {
         let mesh = sheet(diagonals);
         let edges = EdgeTable::build(&mesh).unwrap();
         let spread = |shear: Real| {
-            let carriers = Discretization {
+            let discretization = Discretization {
                 shear: Some(shear),
-                bending: BendingCarrier::None,
+                bending: BendingElements::None,
                 ..Default::default()
             };
-            let mut model = COTTON.discretized_with(&carriers, &mesh).unwrap();
+            let mut model = COTTON.discretized_with(&discretization, &mesh).unwrap();
             assert_eq!(model.others[0].len(), 64);
             // In the unbounded grid a spring on the rim belongs to this patch by half.
             for (edge, spring) in model.springs.iter_mut().enumerate() {
@@ -110,35 +110,35 @@ fn every_kind_of_hinge_gets_its_constant_from_one_rigidity() {
         ..COTTON
     };
     let energy = |bending| {
-        let carriers = Discretization {
+        let discretization = Discretization {
             bending,
             ..Default::default()
         };
-        let model = cloth.discretized_with(&carriers, &mesh).unwrap();
+        let model = cloth.discretized_with(&discretization, &mesh).unwrap();
         stored(&model, &mesh, |p| Vec3::new(p.x, p.y, 5e-4 * p.x * p.x))
     };
-    let quadratic = energy(BendingCarrier::Quadratic);
+    let quadratic = energy(BendingElements::Quadratic);
     // ½ D κ² with κ = 10⁻³/m, on all but half a cell at either end.
     assert!((quadratic / (0.5e-5 * 1e-6 * 7.0 / 8.0) - 1.0).abs() < 1e-5);
     for bending in [
-        BendingCarrier::Dihedral,
-        BendingCarrier::Bridson,
-        BendingCarrier::Cubic,
-        BendingCarrier::Curved,
+        BendingElements::Dihedral,
+        BendingElements::Bridson,
+        BendingElements::Cubic,
+        BendingElements::Curved,
     ] {
         assert!((energy(bending) / quadratic - 1.0).abs() < 1e-5);
     }
-    assert_eq!(energy(BendingCarrier::None), 0.0);
+    assert_eq!(energy(BendingElements::None), 0.0);
 }
 
 #[test]
 fn bending_springs_stand_across_every_hinge() {
     let mesh = sheet(Diagonals::OneWay);
-    let carriers = Discretization {
-        bending: BendingCarrier::Springs(7.0),
+    let discretization = Discretization {
+        bending: BendingElements::Springs(7.0),
         ..Default::default()
     };
-    let model = COTTON.discretized_with(&carriers, &mesh).unwrap();
+    let model = COTTON.discretized_with(&discretization, &mesh).unwrap();
     let hinges = HingeTable::build(&mesh, &EdgeTable::build(&mesh).unwrap());
     let [Elements::Springs(springs)] = &model.others[..] else {
         panic!("{:?}", model.others)
@@ -154,8 +154,8 @@ fn bending_springs_stand_across_every_hinge() {
 #[test]
 fn choices_that_do_not_fit_are_refused() {
     let grid = sheet(Diagonals::OneWay);
-    let refused = |cloth: Cloth, carriers: Discretization, mesh: &TriMesh| {
-        cloth.discretized_with(&carriers, mesh).unwrap_err()
+    let refused = |cloth: Cloth, discretization: Discretization, mesh: &TriMesh| {
+        cloth.discretized_with(&discretization, mesh).unwrap_err()
     };
     let shear = Discretization {
         shear: Some(1.0),
@@ -170,24 +170,24 @@ fn choices_that_do_not_fit_are_refused() {
         ClothError::ShearWithoutStiffness
     );
     let beside_triangles = Discretization {
-        membrane: MembraneCarrier::Arap,
+        membrane: MembraneElements::Arap,
         ..shear
     };
     assert_eq!(
         refused(COTTON, beside_triangles, &grid),
         ClothError::ShearWithoutStiffness
     );
-    let lattice = equilateral(4, 4, 1.0).unwrap();
-    assert_eq!(refused(COTTON, shear, &lattice), ClothError::NoRectangles);
+    let triangles = equilateral(4, 4, 1.0).unwrap();
+    assert_eq!(refused(COTTON, shear, &triangles), ClothError::NoRectangles);
     for poisson_ratio in [1.0, -1.0, Real::NAN] {
-        let carriers = Discretization {
-            membrane: MembraneCarrier::Stvk { poisson_ratio },
+        let discretization = Discretization {
+            membrane: MembraneElements::Stvk { poisson_ratio },
             ..Default::default()
         };
-        let words = refused(COTTON, carriers, &grid).to_string();
+        let words = refused(COTTON, discretization, &grid).to_string();
         assert!(words.contains("Poisson"), "{words}");
     }
-    for (carriers, word) in [
+    for (discretization, word) in [
         (
             Discretization {
                 shear: Some(-1.0),
@@ -197,13 +197,13 @@ fn choices_that_do_not_fit_are_refused() {
         ),
         (
             Discretization {
-                bending: BendingCarrier::Springs(Real::INFINITY),
+                bending: BendingElements::Springs(Real::INFINITY),
                 ..Default::default()
             },
             "bending springs",
         ),
     ] {
-        let words = refused(COTTON, carriers, &grid).to_string();
+        let words = refused(COTTON, discretization, &grid).to_string();
         assert!(words.contains(word), "{words}");
     }
 }

@@ -1,4 +1,4 @@
-//! The smallest singular values of the edge-length Jacobian themselves, where their squares drown in rounding.
+//! The smallest singular values of the edge-length Jacobian themselves, where rounding hides their squares.
 //!
 //! The eigenvalues of `JᵀJ` are known to about 1e-15, so singular values below 3e-8 cannot be told from zero by
 //! counting them. Seen from the edges there are few of those in a bent sheet: the `E − r` directions t with `Jᵀt ≈ 0`.
@@ -20,7 +20,7 @@ const ITERATIONS: usize = 16;
 
 /// The `count` smallest singular values of the Jacobian of the distances between `pairs` at `positions` (m), ascending,
 /// as far as there are pairs.
-pub(super) fn smallest(
+pub(super) fn singular_values(
     positions: &[Vec3],
     pairs: &[[u32; 2]],
     count: usize,

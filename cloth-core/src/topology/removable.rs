@@ -9,8 +9,8 @@ use crate::mesh::TriMesh;
 ///
 /// Greedy: an edge counts by its square over that of the longest edge of its triangles, the smaller of the two numbers;
 /// the largest comes first, which on a grid takes the diagonals and nothing else. Equal ones come in a scrambled order,
-/// so that a part of them is spread over the whole sheet. An edge whose triangles have both kept all edges so far is
-/// dropped. So every triangle keeps at least two edges, and the sheet does not fall into pieces.
+/// so that the first of them are spread over the whole sheet. An edge whose triangles have both kept all edges so far
+/// is dropped. So every triangle keeps at least two edges, and the sheet does not fall into pieces.
 ///
 /// With every dropped edge `3V − E` grows by 1, and a disk has close to V of them: from 3 + E_b its freedom grows to
 /// about a third of its coordinates.

@@ -1,4 +1,4 @@
-//! Which elements carry a cloth: the choice, and how each kind gets its constants from the one description.
+//! Which elements a cloth is discretized with, and how each kind gets its constants from the one description.
 
 use super::{Cloth, ClothError, CoarseMembrane, Elements, Membrane, SpringEdges, SpringLaw};
 use crate::energy::{
@@ -10,38 +10,39 @@ use crate::math::{Real, gather};
 use crate::mesh::TriMesh;
 use crate::topology::{EdgeTable, HingeTable};
 
-/// Which elements carry a cloth. The default, springs on the edges and quadratic hinges, is what [`Cloth::on`] takes.
+/// Which elements a cloth is discretized with. The default, springs on the edges and quadratic hinges, is what
+/// [`Cloth::on`] takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Discretization {
     /// What resists stretching.
-    pub membrane: MembraneCarrier,
+    pub membrane: MembraneElements,
     /// Stiffness (N/m) of shear springs along both diagonals of every rectangle that two triangles form: one lies on an
     /// edge and takes this stiffness instead of the membrane's, the other is added. With axial springs of stiffness k
     /// on a square grid the sheet is isotropic if this is k/2, and has then the modulus `Y = 4k/3` and ν = 1/3, but for
-    /// the rim ([`Membrane::SpringStiffness`]). None: no second diagonal. Springs of a given stiffness only.
+    /// the boundary ([`Membrane::SpringStiffness`]). None: no second diagonal. Springs of a given stiffness only.
     pub shear: Option<Real>,
     /// What resists bending.
-    pub bending: BendingCarrier,
+    pub bending: BendingElements,
     /// How springs on edges answer; springs only, and none beside shear springs. A dead zone is for ARAP triangles too:
     /// of their principal stretches.
     pub law: SpringLaw,
     /// Which edges carry springs; springs only, and all of them beside shear springs.
     pub edges: SpringEdges,
-    /// A coarser level that keeps the cloth from stretching instead of the edges; linear springs on all edges only.
-    /// None: the edges do.
-    pub detail: Option<CoarseMembrane>,
+    /// Links of a coarser level that keep the cloth from stretching instead of the edges, beside linear springs on all
+    /// edges. None: the edges do.
+    pub coarse_membrane: Option<CoarseMembrane>,
 }
 
 /// What resists stretching.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub enum MembraneCarrier {
+pub enum MembraneElements {
     /// A spring on every edge.
     #[default]
     Springs,
     /// St. Venant–Kirchhoff triangles with the modulus of the cloth; of a cloth that states a spring stiffness k, with
     /// the modulus that those springs have in the mean over all directions, `Y = k Σ n L²/(3A)` as in
-    /// [`Membrane::Modulus`], with half of k on the rim.
+    /// [`Membrane::Modulus`], with half of k on the boundary.
     Stvk {
         /// Poisson's ratio ν in (−1, 1) (dimensionless); 1/3 is that of springs.
         poisson_ratio: Real,
@@ -54,7 +55,7 @@ pub enum MembraneCarrier {
 /// 0 gets none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub enum BendingCarrier {
+pub enum BendingElements {
     /// [`CurvatureHinge`]: flat at rest.
     #[default]
     Quadratic,
@@ -73,31 +74,28 @@ pub enum BendingCarrier {
     None,
 }
 
-/// The springs on the edges, and everything else.
-pub(super) struct Cut {
+/// Springs on the edges, quadratic hinges, and everything else.
+#[derive(Default)]
+pub(super) struct MeshElements {
     pub(super) springs: Vec<Spring>,
     pub(super) hinges: Vec<CurvatureHinge>,
     pub(super) others: Vec<Elements>,
 }
 
 impl Discretization {
-    /// Cuts a cloth to a mesh.
-    pub(super) fn cut(
+    /// The elements of a cloth on a mesh.
+    pub(super) fn elements(
         &self,
         cloth: &Cloth,
         mesh: &TriMesh,
         edges: &EdgeTable,
-    ) -> Result<Cut, ClothError> {
+    ) -> Result<MeshElements, ClothError> {
         cloth.membrane.check()?;
         not_negative("bending rigidity (N·m)", cloth.bending_rigidity)?;
-        let mut cut = Cut {
-            springs: Vec::new(),
-            hinges: Vec::new(),
-            others: Vec::new(),
-        };
-        self.add_membrane(cloth.membrane, mesh, edges, &mut cut)?;
-        self.add_bending(cloth.bending_rigidity, mesh, edges, &mut cut)?;
-        Ok(cut)
+        let mut elements = MeshElements::default();
+        self.add_membrane(cloth.membrane, mesh, edges, &mut elements)?;
+        self.add_bending(cloth.bending_rigidity, mesh, edges, &mut elements)?;
+        Ok(elements)
     }
 
     fn add_membrane(
@@ -105,61 +103,62 @@ impl Discretization {
         membrane: Membrane,
         mesh: &TriMesh,
         edges: &EdgeTable,
-        cut: &mut Cut,
+        out: &mut MeshElements,
     ) -> Result<(), ClothError> {
-        let is_plain = self.law == SpringLaw::Linear && self.edges == SpringEdges::All;
-        let is_bare = self.membrane == MembraneCarrier::Springs && self.shear.is_none();
-        let is_slack = self.membrane == MembraneCarrier::Arap
+        let is_linear_on_all_edges =
+            self.law == SpringLaw::Linear && self.edges == SpringEdges::All;
+        let is_springs_alone = self.membrane == MembraneElements::Springs && self.shear.is_none();
+        let is_slack_arap = self.membrane == MembraneElements::Arap
             && self.shear.is_none()
             && self.edges == SpringEdges::All
             && matches!(self.law, SpringLaw::DeadZone(_));
-        if !is_plain && !is_bare && !is_slack {
-            return Err(ClothError::ReliefWithoutSprings);
+        if !is_linear_on_all_edges && !is_springs_alone && !is_slack_arap {
+            return Err(ClothError::LockingRemedyWithoutSprings);
         }
-        if self.detail.is_some() && !(is_plain && is_bare) {
-            return Err(ClothError::DetailWithoutSprings);
+        if self.coarse_membrane.is_some() && !(is_linear_on_all_edges && is_springs_alone) {
+            return Err(ClothError::CoarseMembraneWithoutSprings);
         }
         match self.membrane {
-            MembraneCarrier::Springs => {
+            MembraneElements::Springs => {
                 let springs = membrane.springs(mesh, edges);
                 let springs = self.edges.chosen_from(springs, mesh, edges)?;
                 let (mut springs, mut limited) = self.law.applied_to(springs)?;
-                if let Some(detail) = self.detail {
-                    limited = detail.applied_to(&mut springs, membrane, mesh, edges)?;
+                if let Some(coarse_membrane) = self.coarse_membrane {
+                    limited = coarse_membrane.applied_to(&mut springs, membrane, mesh, edges)?;
                 }
-                cut.springs = springs;
+                out.springs = springs;
                 if !limited.is_empty() {
-                    cut.others.push(Elements::Limited(limited));
+                    out.others.push(Elements::Limited(limited));
                 }
             }
-            MembraneCarrier::Stvk { poisson_ratio } => {
+            MembraneElements::Stvk { poisson_ratio } => {
                 if !(-1.0 < poisson_ratio && poisson_ratio < 1.0) {
                     return Err(ClothError::PoissonRatio(poisson_ratio));
                 }
                 let modulus = membrane.modulus(mesh, edges);
                 let triangles = StvkTriangle::on(mesh, modulus, poisson_ratio);
-                cut.others.push(Elements::Stvk(triangles));
+                out.others.push(Elements::Stvk(triangles));
             }
-            MembraneCarrier::Arap if is_slack => {
+            MembraneElements::Arap if is_slack_arap => {
                 let limits = self.law.slack_range()?;
                 let modulus = membrane.modulus(mesh, edges);
                 let triangles = StrainLimitTriangle::on(mesh, limits, modulus);
-                cut.others.push(Elements::LimitedTriangles(triangles));
+                out.others.push(Elements::LimitedTriangles(triangles));
             }
-            MembraneCarrier::Arap => {
+            MembraneElements::Arap => {
                 let triangles = ArapTriangle::on(mesh, membrane.modulus(mesh, edges));
-                cut.others.push(Elements::Arap(triangles));
+                out.others.push(Elements::Arap(triangles));
             }
         }
         let Some(stiffness) = self.shear else {
             return Ok(());
         };
         not_negative("shear stiffness (N/m)", stiffness)?;
-        if self.membrane != MembraneCarrier::Springs || matches!(membrane, Membrane::Modulus(_)) {
+        if self.membrane != MembraneElements::Springs || matches!(membrane, Membrane::Modulus(_)) {
             return Err(ClothError::ShearWithoutStiffness);
         }
-        let diagonals = shear(mesh, edges, stiffness, &mut cut.springs)?;
-        cut.others.push(Elements::Springs(diagonals));
+        let diagonals = shear(mesh, edges, stiffness, &mut out.springs)?;
+        out.others.push(Elements::Springs(diagonals));
         Ok(())
     }
 
@@ -168,40 +167,40 @@ impl Discretization {
         rigidity: Real,
         mesh: &TriMesh,
         edges: &EdgeTable,
-        cut: &mut Cut,
+        out: &mut MeshElements,
     ) -> Result<(), ClothError> {
-        if let BendingCarrier::Springs(stiffness) = self.bending {
+        if let BendingElements::Springs(stiffness) = self.bending {
             not_negative("stiffness of the bending springs (N/m)", stiffness)?;
             let hinges = HingeTable::build(mesh, edges);
             let springs = Spring::across(mesh.positions(), &hinges, stiffness);
-            cut.others.push(Elements::Springs(springs));
+            out.others.push(Elements::Springs(springs));
             return Ok(());
         }
-        if rigidity == 0.0 || self.bending == BendingCarrier::None {
+        if rigidity == 0.0 || self.bending == BendingElements::None {
             return Ok(());
         }
         let table = HingeTable::build(mesh, edges);
         match self.bending {
-            BendingCarrier::Quadratic => {
-                cut.hinges = CurvatureHinge::across(mesh, &table, rigidity);
+            BendingElements::Quadratic => {
+                out.hinges = CurvatureHinge::across(mesh, &table, rigidity);
             }
-            BendingCarrier::Dihedral => {
+            BendingElements::Dihedral => {
                 let hinges = DihedralHinge::across(mesh, &table, rigidity);
-                cut.others.push(Elements::Dihedral(hinges));
+                out.others.push(Elements::Dihedral(hinges));
             }
-            BendingCarrier::Bridson => {
+            BendingElements::Bridson => {
                 let hinges = DihedralHinge::bridson_across(mesh, &table, rigidity);
-                cut.others.push(Elements::Dihedral(hinges));
+                out.others.push(Elements::Dihedral(hinges));
             }
-            BendingCarrier::Cubic => {
+            BendingElements::Cubic => {
                 let hinges = CubicShell::across(mesh, &table, rigidity);
-                cut.others.push(Elements::Cubic(hinges));
+                out.others.push(Elements::Cubic(hinges));
             }
-            BendingCarrier::Curved => {
+            BendingElements::Curved => {
                 let hinges = CurvedHinge::across(mesh, &table, rigidity);
-                cut.others.push(Elements::Curved(hinges));
+                out.others.push(Elements::Curved(hinges));
             }
-            BendingCarrier::Springs(_) | BendingCarrier::None => {}
+            BendingElements::Springs(_) | BendingElements::None => {}
         }
         Ok(())
     }

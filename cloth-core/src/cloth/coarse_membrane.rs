@@ -1,9 +1,9 @@
-//! Levels of detail against locking: a coarse level holds the cloth together, the mesh bends.
+//! A coarse membrane against locking: links of a coarse level keep the cloth from stretching, the mesh bends.
 //!
 //! Springs on the edges do two things at once: they keep the cloth from stretching, and they keep every triangle as it
 //! is, which is what locks. Only the first is wanted. So each level gets a model of its own: the mesh gets hinges and
-//! springs of a small part of the modulus, and a coarser level of it carries the rest by links that pull and do not
-//! push. A link is as long as the geodesic over the cloth ([`coarse_levels`]); bending, folding and rolling make no
+//! springs of a small fraction of the modulus, and links of a coarser level, which pull and do not push, have the
+//! rest. A link is as long as the geodesic over the cloth ([`coarse_levels`]); bending, folding and rolling make no
 //! geodesic longer, so the links cost no bend anything, at any curvature and on any mesh.
 //!
 //! Hierarchical position-based dynamics holds a cloth with such links, level by level from coarse to fine, as a way to
@@ -20,7 +20,7 @@ use crate::topology::EdgeTable;
 
 /// Which level of the mesh keeps the cloth from stretching.
 ///
-/// Links on the level `level` carry the part `1 − fine_fraction` of the modulus, the springs on the edges the rest:
+/// Links on the level `level` have the fraction `1 − fine_fraction` of the modulus, the springs on the edges the rest:
 /// stretched evenly, the sheet stores what springs alone store, in the mean over all directions.
 ///
 /// What it breaks, besides taking more elements (figures of level 2 with a fine fraction of 0.01 on sheets of 16 cells
@@ -36,17 +36,17 @@ use crate::topology::EdgeTable;
 pub struct CoarseMembrane {
     /// The coarse level, from 1: each has half as many vertices as the one before, or fewer (dimensionless).
     pub level: u32,
-    /// The part of the modulus that stays with the springs on the edges (dimensionless, 0 to 1).
+    /// The fraction of the modulus that stays with the springs on the edges (dimensionless, 0 to 1).
     pub fine_fraction: Real,
 }
 
-/// A vertex leans on so many others of the next coarser level.
+/// Vertices of the next coarser level that a vertex is interpolated from.
 const PARENTS: usize = 2;
 
 impl CoarseMembrane {
     fn check(self) -> Result<(), ClothError> {
         let value = self.fine_fraction;
-        let name = "part of the modulus that springs on the edges keep";
+        let name = "fraction of the modulus that springs on the edges keep";
         within((0.0..=1.0).contains(&value), name, value, FRACTION)?;
         Ok(())
     }
