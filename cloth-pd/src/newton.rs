@@ -14,7 +14,7 @@
 //! *Tried.* With the coarse grid in the preconditioner a sheet on a ball or on the corner of a box takes 1.4 to 1.8
 //! times as long, and folds less than that of implicit Euler. With a twentieth of the residual left a step takes twice
 //! as long and fewer iterations, for the same motion. The decrement of one iteration does not say that a step is near:
-//! conjugate gradients cut short take what is stiff and what is soft in turns.
+//! conjugate gradients cut short take what is stiff and what is soft alternately.
 
 use crate::contact::ContactSystem;
 use crate::global::GlobalSystem;
@@ -24,14 +24,14 @@ use cloth_core::method::trust::longest;
 use cloth_core::method::vectors::{add, dot};
 
 /// Residual, in the norm of the preconditioner and relative to the first, at which conjugate gradients end.
-const LEFT: Real = 0.2;
+const CG_TOLERANCE: Real = 0.2;
 /// Most iterations of conjugate gradients.
-const MAX_ITERATIONS: u32 = 30;
+const MAX_CG_ITERATIONS: u32 = 30;
 /// Least curvature along a direction, over that which the preconditioner has.
-const NO_CURVATURE: Real = 1e-6;
+const MIN_CURVATURE_RATIO: Real = 1e-6;
 /// Longest displacement of a difference of gradients, over the spacing that vertices have in the box around the cloth:
 /// between rounding, 1e-16 of coordinates, and what curves.
-const PROBE: Real = 1e-6;
+const DIFFERENCE_LENGTH: Real = 1e-6;
 
 /// The working memory.
 #[derive(Debug)]
@@ -73,19 +73,19 @@ impl TruncatedNewton {
         probe.displacement.copy_from_slice(q);
         objective.evaluate(probe, &None);
         self.gradient.copy_from_slice(&probe.gradient);
-        let length = PROBE * spacing(&point.positions);
+        let length = DIFFERENCE_LENGTH * spacing(&point.positions);
         out.fill(Vec3::zeros());
         for (residual, gradient) in self.residual.iter_mut().zip(&point.gradient) {
             *residual = -gradient;
         }
         let (mut first, mut size) = (0.0, 0.0);
-        for solves in 1..=MAX_ITERATIONS {
+        for solves in 1..=MAX_CG_ITERATIONS {
             global.solve(&self.residual, &mut self.solved);
             let next = dot(&self.residual, &self.solved);
             if solves == 1 {
                 first = next;
                 self.direction.copy_from_slice(&self.solved);
-            } else if next <= LEFT * LEFT * first {
+            } else if next <= CG_TOLERANCE * CG_TOLERANCE * first {
                 return solves;
             } else {
                 let ratio = next / size;
@@ -96,7 +96,7 @@ impl TruncatedNewton {
             size = next;
             self.multiply(objective, contacts, q, length);
             let curvature = dot(&self.direction, &self.product);
-            if curvature <= NO_CURVATURE * size || curvature.is_nan() {
+            if curvature <= MIN_CURVATURE_RATIO * size || curvature.is_nan() {
                 if solves == 1 {
                     out.copy_from_slice(&self.direction);
                 }
@@ -106,7 +106,7 @@ impl TruncatedNewton {
             add(out, length, &self.direction);
             add(&mut self.residual, -length, &self.product);
         }
-        MAX_ITERATIONS
+        MAX_CG_ITERATIONS
     }
 
     /// `product = (H + Σ k J Jᵀ) d` where the displacement of the cloth is `q` (m), by a difference of that length (m).
