@@ -337,7 +337,7 @@ impl Method {
     /// What a builder of the method has made, or why not.
     fn built<T>(&self, solver: Result<T, BuildError>) -> Result<T, BenchError> {
         solver.map_err(|error| match error {
-            BuildError::NoSuchView { elements, .. } => {
+            BuildError::UnsupportedElements { elements, .. } => {
                 let instead = match elements {
                     "StVK triangles" => "; membrane=arap has one",
                     "dihedral hinges" | "cubic-shell hinges" => "; bending=quadratic has one",

@@ -290,6 +290,13 @@ pub struct ContactRow {
 }
 
 impl ContactRow {
+    /// Whether it lies between vertices alone, whose weights then add up to 0; to ±1 where a body takes part, from
+    /// which a force comes.
+    #[must_use]
+    pub fn is_internal(&self) -> bool {
+        self.weights.iter().sum::<Real>().abs() < 0.5
+    }
+
     /// `k J (J·p)`, for displacements `p` (m) of all vertices: adds it to `out` (N).
     pub fn add_product(&self, p: &[Vec3], out: &mut [Vec3]) {
         let ends = || self.vertices.iter().zip(self.weights);

@@ -471,8 +471,8 @@ pub enum BuildError {
         /// The vertex.
         vertex: u32,
     },
-    /// A method needs a view of the elements that they do not have.
-    NoSuchView {
+    /// The energy of the elements does not have the form that the method needs.
+    UnsupportedElements {
         /// What the elements are.
         elements: &'static str,
         /// What their energy would have to be.
@@ -505,7 +505,7 @@ impl fmt::Display for BuildError {
             Self::RepeatedVertex { element, vertex } => {
                 write!(f, "element {element} names vertex {vertex} twice")
             }
-            Self::NoSuchView { elements, needs } => {
+            Self::UnsupportedElements { elements, needs } => {
                 write!(f, "cannot take {elements}: it needs an energy that {needs}")
             }
             Self::OutOfRange(error) => error.fmt(f),

@@ -69,9 +69,9 @@ pub struct ExplicitEuler(Explicit);
 /// Contact acts at the end of every substep and lets nothing through: the straight paths of all vertices from the start
 /// of the substep are tested. Pairs that would come too near or cross are projected again; what is not free even then
 /// is cut back, moved as one rigid body or, last, left where it was. Where no free path is left the step is refused,
-/// [`StepError::Contact`]. A test is `sheet_falls_on_a_ball` in `cloth-bench/tests/contract/rows.rs`. A vertex that is
-/// held back loses momentum, and nothing brings contact into balance with the springs as a minimum does: the
-/// constraints take one sweep a substep, and more only where a path is not free.
+/// [`StepError::Contact`]. A test is `sheet_falls_on_a_ball` in `cloth-bench/tests/contract/rows.rs`. A vertex whose
+/// displacement is truncated loses momentum, and nothing brings contact into balance with the springs as a minimum
+/// does: the constraints take one sweep a substep, and more only where a path is not free.
 #[derive(Debug)]
 pub struct SymplecticEuler(Explicit);
 

@@ -71,7 +71,7 @@ use stage::Stage;
 ///
 /// Linear momentum of cloth that nothing holds or touches is kept to rounding, whatever the tolerance, by
 /// [`Solve::QuasiNewton`] and [`Solve::Linearized`]: the iteration ends with a shift to where the momentum takes the
-/// cloth; with contacts in the input only if nothing is held, and for all pieces together. In Newton's method it is
+/// cloth; with contacts in the input only if nothing is held, and for all components together. In Newton's method it is
 /// kept as exactly as the linear systems are solved. Angular momentum is not kept.
 ///
 /// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and its name is `linear-implicit`. With contact,

@@ -37,6 +37,13 @@
 //! For another Poisson's ratio [`Discretization`](cloth_core::cloth::Discretization) takes triangles.
 //! `cloth-bench study independence` shows what mesh and step change.
 //!
+//! The mass-spring model of textbooks (Provot 1995) has three kinds of springs on a square grid: structural ones along
+//! its lines, shear springs along both diagonals and flexion springs to the vertex after the next. Here the edges of
+//! triangles are the first two, and hinges bend; flexion springs ([`Spring::across`]) do not resist a small bend of
+//! flat cloth. Its integrator is often Störmer–Verlet or leapfrog, which is [`SymplecticEuler`] with v at the half
+//! step, or the fourth-order Runge–Kutta method. That is not offered, as it is stable up to 2√2/ω for four evaluations,
+//! symplectic Euler up to 2/ω for each; nor are IMEX schemes, with only the stiff forces implicit.
+//!
 //! # The idea
 //!
 //! A mass on every vertex, a spring on every edge, and Newton's second law: `M x″ = f(x) + M g`, `f = −∂E/∂x`. What
@@ -89,7 +96,7 @@
 //! the step.
 //!
 //! The minimisation can be cut short: one Newton step from `x[0]` without a line search is the implicit step of Baraff
-//! and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their
+//! and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their (6),
 //! `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`.
 //!
 //! **The Hessian of a spring** decides how hard that is. With its unit vector `n = (x₀ − x₁)/l` and its length l,
@@ -100,19 +107,19 @@
 //! ```
 //!
 //! and their negatives for x₁ and between the ends. Along the spring the Hessian is k. Across, it is tension over
-//! length: negative under compression, where the straight spring is a maximum sideways and buckling goes down.
-//! `M/Δt² + H` may then be indefinite (one spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`), and a Newton
-//! step may lead up. The cures ([`Convexity`](cloth_core::element::Convexity), element by element; [`HessianPolicy`])
-//! change the matrix and never the gradient: a converged step is a stationary point of the same G by any of them, and
-//! they decide the number of iterations, and which of several minima is found. In a linearised step nothing follows
-//! that would make up for a changed matrix: there the cure changes the answer.
+//! length: negative under compression, where the straight spring is a saddle of E: displacing it sideways lowers the
+//! energy (buckling). `M/Δt² + H` may then be indefinite (one spring between two free masses m: where
+//! `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up. The cures ([`Convexity`](cloth_core::element::Convexity),
+//! element by element; [`HessianPolicy`]) change the matrix and never the gradient: a converged step is a stationary
+//! point of the same G by any of them, and they decide the number of iterations, and which of several minima is found.
+//! A linearised step solves once, so there the modified Hessian changes the result.
 //!
 //! Formulas of the other elements stand in [`cloth_core::energy`], a file each. Their Hessians differ in this respect:
 //!
 //! | element | the Hessian is indefinite |
 //! |---|---|
 //! | [`StvkTriangle`](cloth_core::energy::StvkTriangle), `½ A G:C:G` | under compression; see below |
-//! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge), `½ K ‖q x‖²` | never, it is constant |
+//! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge), isometric bending, `½ K ‖q x‖²` | never, it is constant |
 //! | [`DihedralHinge`](cloth_core::energy::DihedralHinge), `½ K (θ − θ₀)²` | where `θ ≠ θ₀`, by `K (θ − θ₀) ∂²θ` |
 //!
 //! # Springs, triangles and hinges as a sheet
@@ -174,9 +181,9 @@
 //! | `x[1] = x[0] + Δt v[1]` or `v[0]` | explicit steps | [`SymplecticEuler`], [`ExplicitEuler`] |
 //! | `Δt < 2/ω_max` | stability | [`stable_time_step`] |
 //! | `min G(x)` | implicit Euler, a minimisation | [`ImplicitEuler`], [`IncrementalPotential`] |
-//! | `x_b`, `x̂`, s, start | what the step aims at | `Implicit::predict` and `advance` in `implicit.rs` |
+//! | `x_b`, `x̂`, s, start | predicted positions | `Implicit::predict` and `advance` in `implicit.rs` |
 //! | `G`, `∇G`, `M/s² + H`, `(M/s² + H) p` | with damping and contact | `Stage` in `implicit/stage.rs` |
-//! | `p = −B⁻¹∇G`, B from pairs `d`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
+//! | `p = −B⁻¹∇G`, B from pairs `(sᵢ, yᵢ)` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
 //! | `A p = −∇G`, nearly | truncated Newton, in hard contact | `implicit/truncated_newton.rs` |
 //! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
@@ -184,7 +191,7 @@
 //! | one Newton step | linearised implicit Euler | [`Solve::Linearized`], [`ImplicitConfig::linearized`] |
 //! | `−α M v − β K v` | drag, stiffness-proportional damping | [`Damping`] |
 //! | `M/Δt² + H` | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
-//! | `A p = −∇G` for this matrix A | its solution | [`ImplicitConfig::linear`], [`cloth_core::method::linear`] |
+//! | `A p = −∇G` for this matrix A | its solution | [`ImplicitConfig::linear`], with a table of solvers; [`cloth_core::method::linear`] |
 //!
 //! [`IncrementalPotential`]: cloth_core::measure::IncrementalPotential
 //!
@@ -199,9 +206,9 @@
 //! Newton's method needs few iterations, each (with the feature `cholesky`) a factorisation of 3V unknowns: most of its
 //! time, and more than proportional to V (`cloth-bench study newton`). The default factorises nothing. Its direction is
 //! `−B⁻¹∇G` with B from one V-cycle of [multigrid](cloth_core::method::multigrid), `B₀⁻¹`, on a positive definite
-//! Hessian and from the last five pairs `d = Δx`, `y = Δ∇G` (L-BFGS): more iterations than Newton's method takes, each
-//! much cheaper. On the hanging sheet it takes 22, 30 and 35 at 32, 64 and 128 vertices a side
-//! (`cloth-bench/doc/results.md`). One step:
+//! Hessian and from the last five pairs `sᵢ = Δx`, `yᵢ = Δ∇G` (L-BFGS; sᵢ with an index is no time): more iterations
+//! than Newton's method takes, each much cheaper. On the hanging sheet it takes 22, 30 and 35 at 32, 64 and 128
+//! vertices a side (`cloth-bench/doc/results.md`). One step:
 //!
 //! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins. The displacement to the
 //!    start is truncated where it meets something, and the truncation fades with distance
@@ -223,16 +230,17 @@
 //!       then Newton's method takes over (not in contact), and where that fails too the step is refused. In contact a
 //!       full step with half of its slope left goes on to the zero of the secant of slopes, by at most 4 p beyond it,
 //!       if G falls.
-//!    7. From iteration 4 on, keep the pair `d = t p`, `y = Δ∇G` if `d·y > 0`, which Armijo does not ensure.
+//!    7. From iteration 4 on, keep the pair `sᵢ = t p`, `yᵢ = Δ∇G` if `sᵢ·yᵢ > 0`, which Armijo does not ensure.
 //! 4. The shift of 2 again: so linear momentum is kept to rounding at any tolerance.
 //! 5. `v = (x − x_b)/τ`.
 //!
 //! With B positive definite `∇G·p < 0`, so a short enough t passes. `p = −B⁻¹∇G` takes two loops over the pairs, which
-//! outlive a new Hessian from iteration 12 on, but not the step:
+//! outlive a new Hessian from iteration 12 on, but not the step. (In the code the inner products come from one pass
+//! over the pairs, as in the compact form of Byrd et al. 1994: `limited_memory.rs`.)
 //!
 //! ```text
-//! q = −∇G;       newest pair first:  aᵢ = dᵢ·q/(dᵢ·yᵢ),   q ← q − aᵢ yᵢ
-//! p = B₀⁻¹ q;    oldest pair first:  p ← p + (aᵢ − yᵢ·p/(dᵢ·yᵢ)) dᵢ
+//! r = −∇G;       newest pair first:  aᵢ = sᵢ·r/(sᵢ·yᵢ),   r ← r − aᵢ yᵢ
+//! p = B₀⁻¹ r;    oldest pair first:  p ← p + (aᵢ − yᵢ·p/(sᵢ·yᵢ)) sᵢ
 //! ```
 //!
 //! The levels: coarse vertices are an independent set (no two strongly coupled, nor close across a common neighbour),
@@ -334,34 +342,6 @@
 //! ([`ContactConstraints`](cloth_core::contact::ContactConstraints)): as stiff as it may be, it does not shorten the
 //! stable step, and what the constraints move becomes velocity. Nothing goes through either ([`SymplecticEuler`]).
 //!
-//! # The linear solver of Newton's method
-//!
-//! The matrix `M/Δt² + H` has a block of 3 × 3 numbers for each pair of neighbours. [`ImplicitConfig::linear`] says how
-//! its systems are solved; every choice leads to the same minimum. An iterative solver leaves a fixed fraction of the
-//! gradient, its tolerance, in every Newton step (a constant forcing term, 10⁻³ by default), so convergence ends
-//! linear, by that factor. The default, `LinearMethod::default()`, is Cholesky with the feature `cholesky`, without it
-//! multigrid to 10⁻³.
-//!
-//! | solver | cost of an iteration | factor per iteration, κ the condition number of `D⁻¹A` |
-//! |---|---|---|
-//! | Cholesky | refactor and solve, done | |
-//! | multigrid (preconditioned conjugate gradients) | a product and a V-cycle | hardly depends on κ |
-//! | conjugate gradients | a product and two passes over the vectors | `(√κ − 1)/(√κ + 1)` or better |
-//! | Chebyshev–Jacobi | a product and one pass | `(√κ − 1)/(√κ + 1)` |
-//! | Gauss–Seidel | as much as a product | `((κ − 1)/(κ + 1))²` for two colours: a chain, a grid without diagonals |
-//! | Jacobi | a product and one pass | `(κ − 1)/(κ + 1)` with the best damping, which is estimated |
-//!
-//! Here A = M/Δt² + H, D its diagonal blocks, the preconditioner of conjugate gradients. κ is of the order of
-//! `1 + (Δt ω_max)²`, the condition of `I + Δt² M⁻¹H`: it grows with stiffness, Δt² and resolution: 4·10⁴, 2·10⁵ and
-//! 10⁶ for the hanging sheet of 10⁴ N/m with 32, 64 and 128 vertices a side at Δt = 1/60 s, where conjugate gradients
-//! take 295, 589 and 1385 iterations to a residual of 10⁻³ and the factorisation is faster at every size up to 256 a
-//! side. (`cloth-bench study newton` measures all of it.) Where κ is smaller the order is reversed;
-//! [`ImplicitConfig::linearized`] has times.
-//!
-//! Only the factorisation *proves* that the matrix is positive definite; conjugate gradients notice negative curvature
-//! that they meet, the others diverge on it. In each case the matrix then gets a smaller part of the exact Hessian
-//! (`implicit/system.rs`).
-//!
 //! # What a step does to one oscillation
 //!
 //! With `z = Δt ω` (tests hold amplitudes and angles to 10⁻¹¹ or less, `z⁴/4` to 2 % at z = 0.05). Written as
@@ -413,10 +393,12 @@
 //! - **Odd cloth is no error**: springs whose ends coincide get some direction and unfold, a vertex without elements
 //!   falls freely, a cloth that is prescribed everywhere only moves its pins (`tests/chapter/special.rs`); inverted
 //!   elements are positions like others.
-//! - **No convergence is no error.** A step that has spent [`ImplicitConfig::max_iterations`], is stuck in contact, or
-//!   has linearised the cloth eight times, or in which Newton's method took over with a matrix that does not fit into
-//!   the memory or that an iterative solver finds indefinite (elsewhere both are errors), reports
-//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome) and the residual that is left. The state has advanced.
+//! - **No convergence is no error.** A step has [`Converged`](cloth_core::step::Outcome::Converged) where, as its
+//!   Newton decrement estimates, the change of velocity is right to [`ImplicitConfig::tolerance`]. One that has spent
+//!   [`ImplicitConfig::max_iterations`], is stuck in contact, or has linearised the cloth eight times, or in which
+//!   Newton's method took over with a matrix that does not fit into the memory or that an iterative solver finds
+//!   indefinite (elsewhere both are errors), reports [`Outcome::BudgetSpent`](cloth_core::step::Outcome) and the
+//!   residual that is left. The state has advanced.
 //!
 //! # Threads
 //! With the feature `parallel` these run on rayon's threads, from 8192 vertices on: energies, gradients and matrices,
@@ -458,8 +440,8 @@
 //!   Cloth that swings and wrinkles less with it than it should is the price of the large step, not a property of the
 //!   cloth. It keeps linear momentum, not angular momentum.
 //! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet
-//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 369 steps, at the stable limit (`cloth-bench` takes steps half
-//!   as long), for what implicit Euler does in one of 1/60 s. (It is a corner that asks for them: `stability.rs`.)
+//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs at least 369 substeps for a frame of 1/60 s that implicit Euler
+//!   takes in one; the corner vertices set that limit (`stability.rs`). `cloth-bench` takes substeps half as long.
 //! - A compressed sheet has many minima, one for each buckling mode, and saddle points between them. Which minimum
 //!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`]. Exactly
 //!   flat cloth under forces in its plane feels none out of it, and neither Newton's method nor L-BFGS leaves the
@@ -467,7 +449,10 @@
 //! - Springs with slack change their stiffness from nothing to all at the end of it; the quasi-Newton method then often
 //!   gets stuck, and Newton's method takes over: compare the rows `tension` and `slack` of the example `materials` with
 //!   that of the same k, D and Δt.
-//! - Stiff springs on all E edges leave 3V − E motions free: too few to fold across diagonals, by any integrator.
+//! - *Locking*: stiff springs on all E edges leave 3V − E motions free, too few to fold across diagonals, by any
+//!   integrator.
+//! - Isotropic materials only: warp, weft and shear have no moduli of their own. (Springs made by hand may each have a
+//!   k; C above says what sheet they are.)
 //!
 //! # Which settings
 //!
@@ -475,7 +460,9 @@
 //! |---|---|
 //! | cloth at steps of a frame | the default |
 //! | a reference, a rest shape | [`ImplicitConfig::reference`]; one step of 10⁶ s or more, `tolerance: 0` |
+//! | seconds of motion at little cost, nothing touched | [`ImplicitConfig::truncated`] |
 //! | the least cost of a step, slow or taut cloth | [`ImplicitConfig::linearized`] |
+//! | cloth that stiffens or must not stretch beyond a bound | [below](#strain-limits) |
 //! | little numerical damping at large steps | [`Bdf2`] |
 //! | motion resolved by the step, energy or angular momentum kept | [`ImplicitMidpoint`], [`SymplecticEuler`] |
 //! | soft or coarse cloth, `Δt < 2/ω_max` anyway | [`SymplecticEuler`] |
@@ -484,6 +471,12 @@
 //! long steps that is about `g Δt`, and only 0 asks for equilibrium. Elsewhere halve Δt and the tolerance one at a
 //! time, and refine what changes the result more (`cloth-bench study decision` has tolerances of 10⁻² and 10⁻¹,
 //! `work-precision` step sizes).
+//!
+//! # Strain limits
+//! Soft ones are elements: [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
+//! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle) resist only what lies beyond their range, beside
+//! softer springs: a load f stretches one by f/k beyond its end. A hard limit is a projection after the step of any
+//! method, `WithStrainLimit` of the crate `cloth-pbd`.
 //!
 //! # Costs
 //! Bytes a vertex, counted from the structs for springs and quadratic hinges on the alternating grid (3 of each a
@@ -521,7 +514,7 @@
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
 //!   2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`) takes 21 ms a
 //!   step on one thread by converged implicit Euler and 3.6 ms by projective dynamics with 10 iterations, for the same
-//!   fall (0.499 m) and stretch (1.2 %).
+//!   fall (0.499 m) and stretch (1.2 %). Between them is [`ImplicitConfig::truncated`].
 //! - **Inextensible cloth.** Stiffness without bound makes κ grow; rigid links are constraints: take XPBD with zero
 //!   compliance.
 //! - **Beside XPBD and IPC.** XPBD stops after its sweeps, whether they have converged or not. IPC (Li et al. 2020,
@@ -560,12 +553,19 @@
 //!   <https://doi.org/10.1145/2010324.1964967>: implicit Euler as a minimisation.
 //! - K.-J. Choi, H.-S. Ko, "Stable but responsive cloth", SIGGRAPH 2002, <https://doi.org/10.1145/566570.566624>: why a
 //!   compressed spring makes the matrix indefinite, and what it means.
+//! - X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics Interface
+//!   '95: the model of textbooks. A. Van Gelder, "Approximate simulation of elastic membranes by triangulated spring
+//!   meshes", J. Graphics Tools 3(2), 1998, <https://doi.org/10.1080/10867651.1998.10487490>: which k a sheet asks for.
+//! - M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
+//!   SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>: isometric bending. E. Grinspun, A. Hirani, M. Desbrun, P.
+//!   Schröder, "Discrete shells", SCA 2003, <https://doi.org/10.2312/SCA03/062-067>: bending by the angle.
 //! - C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952,
 //!   <https://doi.org/10.1073/pnas.38.3.235>: BDF.
 //! - J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed., Springer 2006,
 //!   <https://doi.org/10.1007/978-0-387-40065-5>: chapter 3, line search and modified Newton methods.
 //! - J. Nocedal, "Updating quasi-Newton matrices with limited storage", Math. Comp. 35, 1980,
-//!   <https://doi.org/10.1090/S0025-5718-1980-0572855-7>: L-BFGS.
+//!   <https://doi.org/10.1090/S0025-5718-1980-0572855-7>: L-BFGS. R. H. Byrd, J. Nocedal, R. B. Schnabel, Math. Prog.
+//!   63, 1994, <https://doi.org/10.1007/BF01582063>.
 //! - J. W. Ruge, K. Stüben, "Algebraic multigrid", in *Multigrid Methods*, SIAM 1987,
 //!   <https://doi.org/10.1137/1.9781611971057.ch4>; R. Tamstorf, T. Jones, S. F. McCormick, "Smoothed aggregation
 //!   multigrid for cloth simulation", ACM TOG 34(6), 2015, <https://doi.org/10.1145/2816795.2818081>.

@@ -44,7 +44,7 @@
 //! Δλ = −C/w̃,   Δxᵢ = wᵢ ∂C/∂xᵢ Δλ,   w̃ = Σ wᵢ ‖∂C/∂xᵢ‖²,   wᵢ = 1/mᵢ
 //! ```
 //!
-//! with w̃ the generalised inverse mass of the row. The inverse masses are not a choice: with them
+//! with w̃ the generalised inverse mass of the constraint. The inverse masses are not a choice: with them
 //! `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ`, which is zero for every constraint that is invariant under translation. So a projection of
 //! free vertices onto such a constraint keeps the linear momentum; one that holds to a place (a soft pin, a plane) or
 //! has a prescribed vertex does not. In the same way `Σ xᵢ × mᵢ Δxᵢ = Δλ Σ xᵢ × ∂C/∂xᵢ` is zero where C is invariant
@@ -56,9 +56,9 @@
 //! towards it (exactly so where the constraints are linear): *PBD is the hard limit of backward Euler, solved
 //! approximately*. In that limit k has no place. With J = ∂C/∂x the system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit
 //! relaxes one row of it. For curved constraints J changes as the sweeps move x, so they end on C = 0, but not exactly
-//! at the nearest point. Soft rows add `1/(k h²)` to the diagonal.
+//! at the nearest point. Soft constraints add `1/(k h²)` to the diagonal.
 //!
-//! **Why k needs a λ.** The equation of such a row is `C + w̃ Δλ + (λ + Δλ)/(k h²) = 0`, so a visit makes
+//! **Why k needs a λ.** The equation of a soft constraint is `C + w̃ Δλ + (λ + Δλ)/(k h²) = 0`, so a visit makes
 //! `Δλ = −(C + λ/(k h²))/(w̃ + 1/(k h²))`, λ the sum of its Δλ in this substep. The term with λ says how much of its
 //! force the spring exerts already; with it Δλ is zero where the spring is in balance, at C ≠ 0. A method that keeps λ
 //! is XPBD. A visit of PBD knows C alone, and acts as if it were the first. So sweeps rest at C = 0 only, whatever k,
@@ -86,7 +86,7 @@
 //! for each substep of h = Δt/substeps:
 //!     v ← v + h (g + w f) where w > 0,  x̃ ← x + h v            free flight
 //!     x ← x̃
-//!     n times, for each row:  xᵢ ← xᵢ − s wᵢ ∂C/∂xᵢ C/w̃        one sweep; then over the rows of contact
+//!     n times, for each row:  xᵢ ← xᵢ − s wᵢ ∂C/∂xᵢ C/w̃        one sweep; then over the contact constraints
 //!     v ← v + (x − x̃)/h                                        velocities from positions
 //! ```
 //!
@@ -270,11 +270,12 @@
 //! | hierarchy, every 10 sweeps | 1 | 5 | ≥ 74 979 | 34 200 |
 //!
 //! ω or ρ that were right for an edge are wrong for corners; an estimate adapts. The hierarchy is at its best where the
-//! cloth hangs taut from long supports. A sheet that hangs flat by two corners stays flat by compression: a link that
-//! is short when a correction begins may stay so. And what one correction leaves (0.2 to 0.5 % by the edge; on another
-//! size it can be more than 1 %) decays as slowly as ever: on 64 × 64 vertices it takes 15 further sweeps to 1 %.
+//! cloth hangs taut from long supports. A sheet that hangs flat by two corners is compressed between them, and a
+//! correction leaves links alone that are short when it begins. What one correction leaves (0.2 to 0.5 % by the edge;
+//! on another size it can be more than 1 %) decays as slowly as without it: on 64 × 64 vertices, 15 further sweeps to
+//! 1 %.
 //!
-//! # Which variant
+//! # Which settings
 //! | scene | take |
 //! |---|---|
 //! | hard constraints | few iterations, many substeps: the sag falls with the square of these |
@@ -292,7 +293,7 @@
 //! A step costs substeps × iterations × Σ elements × their cost, and beside it a few passes over the vertices in a
 //! substep; a triangulated sheet has about three springs and three hinges a vertex. On one thread a spring takes 4.5 ns
 //! a sweep (the first row above: 48 641 springs); isometric bending takes 2 to 3 springs, area 10 to 15, bending by
-//! angle 20 to 30 (128 × 128 vertices, falling, three runs on a busy 2-core machine; on yours:
+//! angle 20 to 30 (128 × 128 vertices, falling, on busy 2-core machines, so that only ratios count; on yours:
 //! `cargo run --release -p cloth-pbd --example cost_of_a_sweep`). So with three of each a vertex, isometric bending is
 //! two thirds to three quarters of a sweep. The rule costs nothing where w̃ is constant; where it is not, as for area
 //! and angle, [`StiffnessRule::Material`] takes a power in each visit, [`StiffnessRule::Fixed`] none. Nothing is
@@ -322,9 +323,10 @@
 //! there.
 //!
 //! # Strain limiting
-//! For the end of a step of *any* method: [`WithStrainLimit`] follows each step by projections onto ranges of
-//! lengths, areas or principal stretches, and updates the velocities so that linear and angular momentum are
-//! conserved where no vertex is prescribed and contact does not truncate the displacement.
+//! For the end of a step of *any* method: [`WithStrainLimit`] follows each step by projections onto ranges of lengths,
+//! areas or principal stretches, and updates the velocities so that linear and angular momentum are conserved where no
+//! vertex is prescribed and contact does not truncate the displacement. Passes grow with the square of the vertices a
+//! side ([`StrainLimiter`] has numbers).
 //!
 //! # Pin and drag
 //! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to
@@ -334,23 +336,22 @@
 //! # Contact
 //! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
 //! then `solver.step(&mut state, StepInput::new(dt).contacts(&mut contacts))?`, with the same contacts in every step.
-//! They include those of the cloth with itself, unless `self_collision(false)`.
+//! They include those of the cloth with itself, unless `self_collision(false)`. The solver knows nothing of shapes,
+//! only [`ContactConstraints`](cloth_core::contact::ContactConstraints), and runs no code for contact without them.
 //!
-//! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints), implemented by the
-//! crate `cloth-collide`) is handed over with [`StepInput::contacts`]. In each substep `begin_substep` finds what can
-//! touch on the free flight; `sweep`, last in each sweep, visits its rows `C = n·Σ aᵢ xᵢ − d̂ ≥ 0` (normal n, nearest
-//! points by their weights aᵢ, range d̂) with the compliance of contact and a λ that these rows, unlike the cloth's,
-//! keep for the substep, and friction, on positions too, within μ λ (μ dimensionless); `end_substep` tests all paths,
-//! and stops what would cross, before the velocities follow from the positions. Contact comes last, so its rows are met
-//! best, and those of the cloth are disturbed; a prescribed vertex does not yield to it. What pushes the cloth out
-//! becomes velocity, unless `change_velocities` removes it: `cloth-collide` does so where there is a coefficient of
-//! restitution. The solver itself knows nothing of shapes, and runs no code for contact without a source.
+//! In each substep `begin_substep` finds what can touch on the free flight; `sweep`, last in each sweep, visits the
+//! contact constraints `C = n·Σ aᵢ xᵢ − d̂ ≥ 0` (normal n, nearest points by their weights aᵢ, range d̂) with the
+//! compliance of contact and a λ that they, unlike the cloth's rows, keep for the substep, and friction, on positions
+//! too, within μ λ (μ dimensionless); `end_substep` tests all paths, and stops what would cross, before the velocities
+//! follow from the positions. Contact comes last, so it is met best, and the rows of the cloth are disturbed; a
+//! prescribed vertex does not yield to it. What pushes the cloth out becomes velocity, unless `change_velocities`
+//! removes it: `cloth-collide` does so where there is a coefficient of restitution.
 //!
-//! *Is Coulomb's cone exact?* A visit first updates λ of its row, then its friction `f ← Π(f − u/w̃)`, w̃ = Σ aᵢ² wᵢ: u
-//! is how far the point is from where it stuck, in the tangent plane, and Π cuts to the disk `‖f‖ ≤ μ λ`, round and not
-//! a polygon. So however few the sweeps, no row leaves its cone. The rest of the law, no slip or `f = −μ λ u/‖u‖`, is
-//! what a fixed point of this update says, and holds where the sweeps converge. What comes after them, truncated paths
-//! and restitution, is outside it.
+//! *Is Coulomb's cone exact?* A visit first updates λ of its constraint, then its friction `f ← Π(f − u/w̃)`, w̃ = Σ
+//! aᵢ² wᵢ: u is how far the point is from where it stuck, in the tangent plane, and Π cuts to the disk `‖f‖ ≤ μ λ`,
+//! round and not a polygon. So however few the sweeps, no contact leaves its cone. The rest of the law, no slip or
+//! `f = −μ λ u/‖u‖`, is what a fixed point of this update says, and holds where the sweeps converge. What comes after
+//! them, truncated paths and restitution, is outside it.
 //!
 //! *Prescribed and inside a body?* It stays there: a body and a prescribed vertex are no pair, and only what is free is
 //! pushed out. Prescribed parts of the cloth that cross each other, or leave free cloth no path, end the step with
@@ -363,10 +364,10 @@
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`]: `OutOfRange`, with the setting, its value and its range, for zero
 //!   iterations or substeps, a fixed stiffness outside [0, 1], a relaxation outside (0, 2), …; `NoSuchVertex` or
-//!   `RepeatedVertex`, with the element and the vertex; `NoSuchView` for elements that are no constraints. k is [not
-//!   checked](#limits) here, but [`Cloth::on`](cloth_core::Cloth::on) refuses one that is negative or not finite, by
-//!   [`ClothError::OutOfRange`](cloth_core::cloth::ClothError::OutOfRange). A mass that is not positive and finite is
-//!   refused before, by [`Particles::new`]
+//!   `RepeatedVertex`, with the element and the vertex; `UnsupportedElements` for elements that are no constraints. k
+//!   is [not checked](#limits) here, but [`Cloth::on`](cloth_core::Cloth::on) refuses one that is negative or not
+//!   finite, by [`ClothError::OutOfRange`](cloth_core::cloth::ClothError::OutOfRange). A mass that is not positive and
+//!   finite is refused before, by [`Particles::new`]
 //!   ([`ParticleError::InvalidMass`](cloth_core::particles::ParticleError::InvalidMass)).
 //! - **A mesh** is refused by [`TriMesh::new`](cloth_core::TriMesh::new) with a [`MeshError`](cloth_core::MeshError): a
 //!   position that is not finite (`NonFinitePosition`), a vertex in no triangle (`UnreferencedVertex`) or twice in one
@@ -380,8 +381,7 @@
 //!   loads, positions or velocities are not finite (`NonFiniteInput`, with the first such vertex), and if its *result*
 //!   is not finite (`NonFinite`). In all cases the state is what it was before the step, and the solver can be used
 //!   again.
-//! - **A state or load of the wrong length** is a bug of the caller and panics. So is an element that names a
-//!   vertex twice, which panics with [`Sweep::Colored`] and is not noticed with the other sweeps.
+//! - **A state or load of the wrong length** is a bug of the caller and panics.
 //! - **Degenerate elements are no error.** A row with w̃ = 0 is left alone: all its vertices prescribed, a tetrahedron
 //!   on a line, a triangle in a point. The two ends of a spring that coincide, and an
 //!   [`AreaTriangle`](cloth_core::energy::AreaTriangle) flattened to a line, are driven apart in a direction that
@@ -497,6 +497,7 @@
 //!   PBD does not turn it into motion; contact, a strain limit, or another method that continues the run may.
 //! - There is no damping but the [method's own](#the-step). That of Müller et al. 2007, section 3.5, which leaves the
 //!   rigid motion as it is, is not offered; scale velocities between steps for more. No speed is clamped either.
+//! - Isotropic materials only: no element has moduli of its own along warp and weft.
 //! - Stiffnesses are taken to be zero, positive or infinite, and not checked. A negative one pushes away from C = 0;
 //!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].
 //!
@@ -535,7 +536,7 @@
 //! # Differences from the papers
 //! - Müller et al. 2007: s from k, h and w̃ ([soft constraints](#from-a-constraint-to-the-projection)) in place of
 //!   `1 − (1 − k)^(1/n)`; bending by a signed angle; friction on positions, not velocities, and all paths tested at the
-//!   end; no damping.
+//!   end; no damping. Their k′ is our s, their scaling factor s our −Δλ; their k in [0, 1] has no counterpart.
 //! - Müller 2008: lengths, weights and links that push back: see [`Hierarchy`].
 //! - Wang 2015: Gauss–Seidel made symmetric, ρ estimated in the substep, no extrapolation where corrections grow.
 //! - Wang et al. 2010: one level; the [`StrainLimiter`] restores angular momentum.

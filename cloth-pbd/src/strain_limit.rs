@@ -77,9 +77,11 @@ impl StretchRange {
 ///
 /// A component with one prescribed vertex conserves the angular momentum about this vertex; with two, none.
 ///
-/// Limits: Gauss–Seidel, so a tight limit on a large cloth takes many passes. Where the ranges contradict each
-/// other or the prescribed vertices, there is no solution; the report then says [`Outcome::BudgetSpent`] and
-/// the remaining violation. Kinetic energy is not conserved.
+/// Limits: Gauss–Seidel, so a tight limit on a large cloth takes many passes, as the square of its vertices a side: a
+/// sheet that hangs by its upper edge, drawn 10 % too long, 112, 438, 1718 and 6752 to a limit of 5 % with 9, 17, 33
+/// and 65 vertices a side (to 10⁻³; [`max_passes`](StrainLimiterBuilder::max_passes) is 100 unless set). Where the
+/// ranges contradict each other or the prescribed vertices, there is no solution; the report then says
+/// [`Outcome::BudgetSpent`] and the remaining violation. Kinetic energy is not conserved.
 #[derive(Debug)]
 pub struct StrainLimiter {
     inverse_mass: Vec<Real>,

@@ -1,5 +1,5 @@
 //! A sheet held at two corners: how far an iteration budget gets in one step, against the minimum of `G`, by the plain
-//! iteration and by the default with a coarse grid of 10 cells.
+//! iteration and by the default with a coarse grid of 12 cells.
 //!
 //! ```sh
 //! cargo run --release -p cloth-pd --example hanging
@@ -112,7 +112,7 @@ fn build(model: &ClothModel, rest: &State, config: PdConfig) -> Result<PdSolver,
     PdSolver::builder(&model.particles)
         .energy(model.springs.clone())
         .energy(model.hinges.clone())
-        .coarse_grid(&rest.positions, 10)
+        .coarse_grid(&rest.positions, 12)
         .config(config)
         .build()
 }

@@ -1,5 +1,5 @@
 //! The Chebyshev semi-iterative method over the plain iteration (H. Wang, "A Chebyshev semi-iterative approach for
-//! accelerating projective and position-based dynamics", 2015, algorithm 1), with a guard.
+//! accelerating projective and position-based dynamics", 2015, algorithm 1), with a safeguard.
 //!
 //! With d = A⁻¹∇G at the iterate x and x' the one before it,
 //!
@@ -16,7 +16,8 @@
 //!
 //! *Where it would diverge:* far from a minimum, where the projections turn from one iteration to the next, and where
 //! ∇²G is not positive (compressed springs, μ > 1). So an extrapolation that does not lower G is replaced by the plain
-//! iterate, and ω begins at 1 again. The guard costs an evaluation only then: else the next iteration needs it anyway.
+//! iterate, and ω begins at 1 again. The safeguard costs an evaluation only then: else the next iteration needs it
+//! anyway.
 
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};

@@ -1,5 +1,6 @@
-//! The coarse grid: an additive two-level preconditioner with the Galerkin operator `PᵀHP` of the projected Hessian on
-//! a few hundred unknowns.
+//! The coarse grid: an additive two-level preconditioner of Schwarz type (a one-level method and a coarse space:
+//! Nicolaides 1987, Dryja and Widlund 1987). The fine part is the method's own constant matrix, the coarse part the
+//! Galerkin operator `PᵀHP` of the projected Hessian on a few hundred unknowns.
 //!
 //! The constant matrix is as stiff across a spring as along it, so of the motions that turn springs without stretching
 //! them, a global solve removes only a small fraction; and those are smooth motions of the whole sheet, such as falling

@@ -12,6 +12,7 @@
 
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::particles::Particles;
+use cloth_core::topology::DisjointSets;
 
 /// Connected components of the cloth without a prescribed vertex and without an element that resists a translation. The
 /// momentum of such a component after the step is known beforehand: elasticity does not change it.
@@ -37,7 +38,7 @@ impl FreeComponents {
     /// difference if some families count twice.
     pub(crate) fn of(entries: &[(usize, usize, Real)], particles: &Particles) -> Self {
         let count = particles.len();
-        let mut parent: Vec<u32> = (0..count as u32).collect();
+        let mut sets = DisjointSets::new(count);
         let mut sums: Vec<Real> = vec![0.0; count];
         let largest = entries.iter().map(|entry| entry.2).fold(0.0, Real::max);
         for &(row, column, value) in entries {
@@ -45,21 +46,20 @@ impl FreeComponents {
             if row != column {
                 sums[column] += value;
                 if value.abs() > ROUNDING * largest {
-                    let (a, b) = (root(&mut parent, row), root(&mut parent, column));
-                    parent[a.max(b)] = a.min(b) as u32;
+                    sets.join(row as u32, column as u32);
                 }
             }
         }
         let mut is_constrained = vec![false; count];
         for vertex in 0..count {
             if particles.is_prescribed(vertex) || sums[vertex].abs() > ROUNDING * largest {
-                is_constrained[root(&mut parent, vertex)] = true;
+                is_constrained[sets.root(vertex as u32) as usize] = true;
             }
         }
         let mut number = vec![CONSTRAINED; count];
         let (mut component, mut mass) = (Vec::with_capacity(count), Vec::new());
         for vertex in 0..count {
-            let root = root(&mut parent, vertex);
+            let root = sets.root(vertex as u32) as usize;
             if !is_constrained[root] && number[root] == CONSTRAINED {
                 number[root] = mass.len() as u32;
                 mass.push(0.0);
@@ -152,13 +152,4 @@ impl FreeComponents {
         both.filter(|(component, _)| **component != CONSTRAINED)
             .for_each(|(_, q)| *q += shift);
     }
-}
-
-/// The representative of the component of a vertex; shortens the path to it.
-fn root(parent: &mut [u32], mut vertex: usize) -> usize {
-    while parent[vertex] as usize != vertex {
-        parent[vertex] = parent[parent[vertex] as usize];
-        vertex = parent[vertex] as usize;
-    }
-    vertex
 }

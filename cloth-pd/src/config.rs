@@ -16,10 +16,11 @@ pub struct PdConfig {
     pub iterations: Option<u32>,
     /// Most iterations of a step with `iterations: None`; at least 1.
     pub most_iterations: u32,
-    /// A step with `iterations: None` and without a `tolerance` ends once `√(∇Gᵀ B ∇G) ≤ ε ‖x − x̃‖_M/Δt`, B the
-    /// inverse Hessian that the method has: the Newton decrement, as a speed, over the change of velocity that the
-    /// forces have made. As one iteration can make it small, five must have lowered `G` by no more than `5 (ε ‖x −
-    /// x̃‖_M/Δt)²` besides. With τ this number (dimensionless, at least 0):
+    /// A step with `iterations: None` and without a `tolerance` ends, as
+    /// [`Converged`](cloth_core::step::Outcome::Converged), once `√(∇Gᵀ B ∇G) ≤ ε ‖x − x̃‖_M/Δt`, B the inverse Hessian
+    /// that the method has: the Newton decrement, as a speed, over the change of velocity that the forces have made. As
+    /// one iteration can make it small, five must have lowered `G` by no more than `5 (ε ‖x − x̃‖_M/Δt)²` besides. With
+    /// τ this number (dimensionless, at least 0):
     ///
     /// | moving pins, pushed bodies, forces in contact | active contacts | ε | iterations, at least |
     /// |---|---|---|---|
@@ -29,9 +30,10 @@ pub struct PdConfig {
     /// | yes | yes | 0.3 τ | 20 |
     ///
     /// Without pairs they are 30 in contact. It is an estimate, weaker than a bound on the gradient: A is too stiff
-    /// where cloth bends, so B, and this, come out too small. With active contacts a step ends, too, once `‖∇G(x)‖ ≤
-    /// 1e-3 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
-    /// 0 asks for all `most_iterations`.
+    /// where cloth bends, so B, and this, come out too small. In a step of a falling sheet of 16 × 16 vertices the
+    /// change of velocity was off by 2 to 7 τ with a coarse grid, by 5 to 25 τ without, from τ = 0.1 to 10⁻⁴
+    /// (`cloth-massspring`: by 3 τ at most on its sheet). With active contacts a step ends, too, once
+    /// `‖∇G(x)‖ ≤ 1e-3 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹. 0 asks for all `most_iterations`.
     pub velocity_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ
     /// dimensionless; C is the potential of contact, if there is any), and the report has that ratio as its residual.
@@ -72,8 +74,8 @@ pub enum StartGuess {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Acceleration {
-    /// Local and global step take turns as printed. `G` falls in every iteration without being looked at. With contact,
-    /// every displacement is bounded and `G` evaluated: these are quasi-Newton iterations without pairs.
+    /// Local and global step alternate as printed. `G` falls in every iteration by proof, without a line search. With
+    /// contact, every displacement is bounded and `G` evaluated: these are quasi-Newton iterations without pairs.
     None,
     /// The Chebyshev semi-iterative method (Wang 2015) over the plain iteration: each iterate is extrapolated from the
     /// one before the last. Where `G` would not fall, the plain iterate is taken and the method begins anew.
@@ -110,7 +112,7 @@ impl Default for PdConfig {
 }
 
 impl PdConfig {
-    /// The method as it was first published: local and global step take turns, from x̃, ten times.
+    /// The method as it was first published: local and global steps alternately, from x̃, ten times.
     #[must_use]
     pub fn plain() -> Self {
         Self {

@@ -11,9 +11,10 @@
 //!     line search on G + C along what is left                                              backtrack
 //!     where that fails: the same with A in the place of H, and one length for all          below, limit
 //! ```
-//! So candidates are detected in every iteration, for the path that is about to be taken, and `C`, `∇C` and the rows of
-//! the next iteration are evaluated over them. An accepted path has no intersection, so nothing passes through in
-//! between (no tunnelling). A row has up to four vertices with weights, as a vertex and a triangle or two edges have.
+//! So candidates are detected in every iteration, for the path that is about to be taken, and `C`, `∇C` and the contact
+//! constraints of the next iteration are evaluated over them. An accepted path has no intersection, so nothing passes
+//! through in between (no tunnelling). One has up to four vertices with weights, as a vertex and a triangle or two
+//! edges have.
 //!
 //! *Thickness* belongs to the potential (`cloth-collide`): it acts where two surfaces are nearer than that, so cloth at
 //! rest on something keeps a gap a little smaller, and no gap becomes zero.
@@ -27,6 +28,11 @@
 //! iterated. So ‖f‖ ≤ μ λ holds exactly, converged or not, for the λ of the start; for that of the end it is wrong by μ
 //! times its change over the step. Sticking is a stiff spring: under a tangential force f a vertex gives way by u = ε
 //! f/(μ λ), at most ε.
+//!
+//! *Another way.* Ly et al. (2020) leave the global matrix as it is, split it into its diagonal and the rest, and find
+//! the force on each vertex by Coulomb's law in the local step. Their contacts are at vertices, and their forces are
+//! those of no potential. Here a contact may be between a vertex and a triangle or two edges, and a line search sees
+//! it; the price is conjugate gradients for every direction.
 
 use crate::global::GlobalSystem;
 use cloth_core::contact::{ContactPotential, ContactRow, GlobalRows};
@@ -39,9 +45,9 @@ pub(crate) type Contact<'a> = Option<&'a mut dyn ContactPotential>;
 
 /// Residual, in the norm of A⁻¹ and relative to the first, at which conjugate gradients end: a search direction needs
 /// no more.
-const RELATIVE_TOLERANCE: Real = 0.1;
+const CG_TOLERANCE: Real = 0.1;
 /// Most iterations of conjugate gradients.
-const MAX_ITERATIONS: u32 = 10;
+const MAX_CG_ITERATIONS: u32 = 10;
 
 /// `A + Σ k J Jᵀ` with the contacts linearised at one iterate, for which no matrix is factorised: conjugate gradients
 /// preconditioned with the factor of A. As the contacts are few, or soft beside the cloth, three to six are enough. For
@@ -112,8 +118,8 @@ impl ContactSystem {
         self.times_matrix.copy_from_slice(&self.residual);
         p.fill(Vec3::zeros());
         let mut size = dot(&self.residual, &self.solved);
-        let enough = RELATIVE_TOLERANCE * RELATIVE_TOLERANCE * size;
-        for solves in 1..=MAX_ITERATIONS {
+        let enough = CG_TOLERANCE * CG_TOLERANCE * size;
+        for solves in 1..=MAX_CG_ITERATIONS {
             self.multiply();
             let length = size / dot(&self.direction, &self.product);
             // A gradient of zero.
@@ -122,7 +128,7 @@ impl ContactSystem {
             }
             add(p, length, &self.direction);
             add(&mut self.residual, -length, &self.product);
-            if solves == MAX_ITERATIONS {
+            if solves == MAX_CG_ITERATIONS {
                 break;
             }
             global.solve(&self.residual, &mut self.solved);
@@ -142,7 +148,7 @@ impl ContactSystem {
                 }
             }
         }
-        MAX_ITERATIONS
+        MAX_CG_ITERATIONS
     }
 
     /// `product = (A + Σ k J Jᵀ) d`.
@@ -165,7 +171,6 @@ impl ContactSystem {
 
     /// Whether all contacts are self-contacts: no force comes from outside.
     pub(crate) fn is_internal(&self) -> bool {
-        let sum = |row: &ContactRow| row.weights.iter().sum::<Real>();
-        self.rows.iter().all(|row| sum(row).abs() < 0.5)
+        self.rows.iter().all(ContactRow::is_internal)
     }
 }

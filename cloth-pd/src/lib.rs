@@ -50,10 +50,10 @@
 //!
 //! `E(x) = min over p in the set of ½ w ‖S x − p‖²`,
 //!
-//! and all that is not linear sits in p. So a step is a minimisation over x *and* all p, done in turns (block
-//! coordinate descent; for springs Liu et al. 2013, in general Bouaziz et al. 2014). The *local* step holds x: each
-//! element alone projects z to its nearest p, a spring to the vector of its rest length in its present direction. The
-//! *global* step holds all p: what is left is quadratic in x, and its minimum solves
+//! and all that is not linear sits in p. So a step is a minimisation over x *and* all p, alternately (block coordinate
+//! descent; for springs Liu et al. 2013, in general Bouaziz et al. 2014). The *local* step holds x: each element alone
+//! projects z to its nearest p, a spring to the vector of its rest length in its present direction. The *global* step
+//! holds all p: what is left is quadratic in x, and its minimum solves
 //!
 //! `A x = M x̃/Δt² + Σ w Sᵀ p`,  `A = M/Δt² + Σ w SᵀS`.
 //!
@@ -75,7 +75,7 @@
 //! | limit of a spring ([`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring)) | x₀ − x₁ | clamp(‖z‖) z/‖z‖ | k |
 //! | triangle, as rigid as possible ([`ArapTriangle`](cloth_core::energy::ArapTriangle)) | F = Σ xᵢ bᵢᵀ, 3 × 2 | U Vᵀ of F = U Σ Vᵀ | area · Y |
 //! | limit of a triangle ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
-//! | hinge, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | D/(A₀ + A₁) |
+//! | isometric bending, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | D/(A₀ + A₁) |
 //! | hinge, curved at rest ([`CurvedHinge`](cloth_core::energy::CurvedHinge)) | Σ qᵢ xᵢ | r z/‖z‖ | D/(A₀ + A₁) |
 //! | stitch ([`Stitch`](cloth_core::energy::Stitch)) | Σ qᵢ xᵢ | L(t) z/‖z‖ | k |
 //! | attachment ([`Attachment`](cloth_core::energy::Attachment)), soft pin ([`SoftPin`](cloth_core::energy::SoftPin)) | x | its target | k |
@@ -112,22 +112,28 @@
 //! error e into `e⁺ = (I − A⁻¹ ∇²G) e`. Motions that turn springs without stretching them, as falling and folding do,
 //! have little more than `m/Δt²` a vertex in ∇²G, but `m/Δt² + κ` in A, κ their stiffness in `Σ w SᵀS`. Of an error of
 //! that kind an iteration therefore leaves the fraction `1 − (m/Δt²)/(m/Δt² + κ) = κ/(m/Δt² + κ)`. On the alternating
-//! grid of spacing h a wave of wave number s has `κ ≈ 2 k (s h)²` a vertex, and `m = ρ h²` for an areal density ρ:
-//! `κ Δt²/m = 2 k s² Δt²/ρ` does not depend on h. For the sheet below the factor is 0.9991 for a wave of 1 m and 0.9995
+//! grid of spacing h a wave of wave number ξ has `κ ≈ 2 k (ξ h)²` a vertex, and `m = ρ h²` for an areal density ρ:
+//! `κ Δt²/m = 2 k ξ² Δt²/ρ` does not depend on h. For the sheet below the factor is 0.9991 for a wave of 1 m and 0.9995
 //! for one of 0.74 m. Truncated early, the sheet falls too slowly. Three accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
 //!   spectral radius ρ of the plain iteration. We keep `G` in view: where it would not fall, the plain iterate is taken
 //!   and the weights begin anew.
 //! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the initial inverse Hessian of `G`, the last few differences of
-//!   iterates and gradients (*pairs*) improve it (L-BFGS), a line search with Armijo's condition enforces descent.
+//!   iterates and gradients (pairs s, y) improve it (L-BFGS), a line search with Armijo's condition enforces descent.
 //!   If a direction fails, a plain iteration is taken.
-//! - **A coarse grid**, a two-level Galerkin preconditioner (Bramble, Pasciak, Xu 1990): the slow motions are smooth,
+//! - **A coarse grid**, an additive two-level preconditioner of Schwarz type (Nicolaides 1987, Dryja and Widlund 1987;
+//!   for cloth on many levels Wu et al. 2022; in projective dynamics, with a subspace in the place of the grid, Lan et
+//!   al. 2024). Its fine part is A, its coarse part the Galerkin operator of the Hessian: the slow motions are smooth,
 //!   so a few hundred unknowns on a lattice of trilinear hat functions describe them (P is the prolongation, Pᵀ the
 //!   restriction, H the Hessian at the start of the step's iteration, the negative eigenvalues of each element set to
 //!   zero, `PᵀHP` the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian becomes
-//!   `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`: an additive
-//!   correction. A reduces the rough part of the error, the grid the smooth part.
+//!   `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`. A reduces the
+//!   rough part of the error, the grid the smooth part.
+//!
+//! Not offered: Anderson acceleration (Peng et al. 2018), which combines the last iterates as pairs do, with a
+//! safeguard in the place of the line search; and Jacobi's method or conjugate gradients in the place of the factor,
+//! which one would want on a GPU, where triangular solves wait, and where the factor does not fit into the memory.
 //!
 //! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add
 //! less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and
@@ -209,27 +215,14 @@
 //!
 //! Without a coarse grid, too, the number of iterations does not grow with the resolution, contrary to what is often
 //! said. It does depend on the stiffness, though not in order: to 10⁻⁴ at 32 a side 698 plain iterations at 10² N/m,
-//! more than 3000 at 10³, 2625 at 10⁴ and more than 3000 at 10⁵. Each is another step, with other folds.
-//!
-//! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release),
-//! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve by the
-//! identity of Woodbury, of rank r: 1 for a vertex that is grabbed and for an attachment, 2 for one that is released, a
-//! row of S each for an element that is removed. To set that up takes r/3 solves, which cost as much as a factorisation
-//! at r = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation
-//! when as much has been spent on it. A dragged pin or attachment changes no matrix; a pin or an element that comes or
-//! goes takes a coarse grid anew.
-//!
-//! To drag, call [`PdSolver::prescribe`]: changing your `Particles` does nothing, the solver has a copy. Before every
-//! step set the velocity of the vertex to `(goal − x)/Δt`: a prescribed vertex goes on with the one that it has.
-//! [`Pins::set_velocities`](cloth_core::Pins::set_velocities) does so for paths. Softly: [`attach`](PdSolver::attach)
-//! once, then [`move_attachment`](PdSolver::move_attachment). A load f holds an attached vertex f/k away from its
-//! target: with k a hundred times the stiffness of its springs, by a hundredth of what they are stretched.
+//! more than 3000 at 10³, 2625 at 10⁴ and more than 3000 at 10⁵. Each is another step, with other folds. By Δt of
+//! 1/240, 1/120, 1/60 and 1/30 s, one step after 0.25 s, of 10⁴ N/m and at 32 a side: to 10⁻⁴ 1981, 1964, more than
+//! 3000 and 2579 plain iterations, 128, 109, 276 and 132 of quasi-Newton, 35, 15, 130 and 141 with a coarse grid.
 //!
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
-//! is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading
-//! the factor, and beside the linear-algebra library, by size. The local step reads a rest length and a stiffness (16
-//! bytes) a spring where springs are streams, and reads or writes 72 bytes a vertex;
+//! is faster than the memory gives them. The local step reads a rest length and a stiffness (16 bytes) a spring where
+//! springs are streams, and reads or writes 72 bytes a vertex;
 //! `cargo bench -p benches --bench projective -- "local step"` has its time beside that of a stream of 24 bytes a
 //! spring and 72 a vertex: 2.0 to 2.6 times as long with 128 vertices a side, where all is in a cache, 1.0 to 1.3 with
 //! 256 and 1.3 to 1.9 with 512. `deinterleaved.rs` has the streams.
@@ -243,47 +236,57 @@
 //! elimination tree, which threads can solve side by side. All loops are compiled for wide registers too
 //! ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
 //!
-//! Why a solve of our own and not the library's: memory decides its time, and [`PanelFactor`] reads the factor as one
-//! stream, twice for x, y and z together and not twice for each. Single precision makes it slower (`panel.rs`).
+//! The solve is a supernodal triangular solve with three right-hand sides (`panel.rs`). It is our own, not that of
+//! faer, since memory decides its time: [`PanelFactor`] reads the factor as one stream, twice for x, y and z together
+//! and not twice for each. It takes 48 µs where faer's takes 280 at 64 vertices a side, 270 where it takes 1220 at 128,
+//! and 2.3 ms where it takes 16 at 256 (without bending, least of many, one thread of a busy 2-core AMD EPYC Zen 4 VM,
+//! commit e1abe3f; with bending: `cargo bench -p benches --bench projective -- "projective solve"`).
+//!
+//! # Pin and drag
+//! To drag, call [`PdSolver::prescribe`]: changing your `Particles` does nothing, the solver has a copy. Before every
+//! step set the velocity of the vertex to `(goal − x)/Δt`: a prescribed vertex goes on with the one that it has.
+//! [`Pins::set_velocities`](cloth_core::Pins::set_velocities) does so for paths. Softly: [`attach`](PdSolver::attach)
+//! once, then [`move_attachment`](PdSolver::move_attachment). A load f holds an attached vertex f/k away from its
+//! target: with k a hundred times the stiffness of its springs, by a hundredth of what they are stretched.
+//!
+//! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release),
+//! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve by the
+//! identity of Woodbury, of rank r: 1 for a vertex that is grabbed and for an attachment, 2 for one that is released, a
+//! row of S each for an element that is removed. To set that up takes r/3 solves, which cost as much as a factorisation
+//! at r = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation
+//! when as much has been spent on it. A dragged pin or attachment changes no matrix; a pin or an element that comes or
+//! goes takes a coarse grid anew.
 //!
 //! # Contact
 //! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
 //! quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`. The crate `cloth-collide` has it:
 //! `PotentialContacts::builder(&mesh).obstacle(body, μ).friction(μ).build()?` once, then `.contacts(&mut contacts)` on
-//! every `StepInput`. `obstacle` takes the friction on a body, `friction` that of cloth on cloth, and self-collision
-//! is on unless `.self_collision(false)`. Friction is in C with the normal forces λ and planes of the start of the
-//! step (lagged, Li et al. 2020): μ λ f(‖u‖) of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a
+//! every `StepInput`. `obstacle` takes the friction on a body, `friction` that of cloth on cloth, and self-collision is
+//! on unless `.self_collision(false)`. Friction is in C with the normal forces λ and planes of the start of the step
+//! (lagged, Li et al. 2020): μ λ f(‖u‖) of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a
 //! hundredth of the thickness, and stays there: friction has a potential, and never exceeds μ λ, with the λ of the
 //! start, which the step does not update: Coulomb's cone holds for that λ, not for the one at the end. In a step with
 //! contact, plain and Chebyshev iterations are replaced by quasi-Newton iterations without pairs, because an
-//! extrapolated displacement cannot be bounded.
-//!
-//! Ly et al. (2020) instead leave the global matrix as it is, split it into its diagonal and the rest, and find the
-//! force on each vertex by Coulomb's law in the local step. Their contacts are at vertices, and their forces are those
-//! of no potential. Here a contact may be between a vertex and a triangle or two edges, and a line search sees it; the
-//! price is conjugate gradients for every direction. `contact.rs` has the order of an iteration, with the detection.
-//! Four things are particular.
+//! extrapolated displacement cannot be bounded. `contact.rs` has the order of an iteration, with the detection, and
+//! another way (Ly et al. 2020).
 //!
 //! - **Directions are those of a truncated Newton method** (`newton.rs`). A is as stiff across a spring as along it,
 //!   which is how cloth moves on what it touches: so few iterations with A, pairs or not, leave forces out of balance.
 //!   With active contacts the direction solves `(H + Σ k J Jᵀ) d = −∇G`, H the Hessian of inertia and elements at the
 //!   iterate, J the derivative of a distance by the vertices and k the second derivative of its energy
 //!   ([`ContactRow`](cloth_core::contact::ContactRow)), to a fifth of the residual, by conjugate gradients that the
-//!   factor of A preconditions; the volume of a closed piece ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)),
-//!   one row on all its vertices, is among the rows. The constant matrix stays; H is only multiplied with.
+//!   factor of A preconditions; the volume of a closed component
+//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one contact constraint on all its vertices, is among
+//!   them. The constant matrix stays; H is only multiplied with.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
 //!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
-//!   all is taken. On the way to the start `x[0] + Δt v[0]` vertices around one that is stopped are held back
+//!   all is taken. On the way to the start `x[0] + Δt v[0]` the displacements around one that is stopped are truncated
 //!   too, by less the further away they are ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
-//! - **A trust radius bounds each direction.** A direction does not account for contacts that are not active yet.
-//!   Where cloth is light and soft it can be many times as long as the cloth: detection then has all of that path to
-//!   search, and truncation vertex by vertex leaves nothing of its shape. So the whole direction is scaled down to the
-//!   radius first ([`TrustRadius`](cloth_core::method::trust::TrustRadius)). The radius begins at twice the longest
-//!   displacement of the step without elasticity; an iteration that is cut below half of what was tried shrinks it to
-//!   twice what it came to, one that only the radius has cut doubles it. Without it, a handkerchief on the corner of a
-//!   table (`cloth-bench/scenes/handkerchief.toml`) gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J
-//!   that it was given, and a step took seven times as long; with it, nothing beyond those (commit 9374ec2).
+//! - **A trust radius bounds each direction**, since it does not account for contacts that are not active yet
+//!   (`quasi_newton.rs`). Without it, a handkerchief on the corner of a table (`cloth-bench/scenes/handkerchief.toml`)
+//!   gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J that it was given, and a step took seven times as
+//!   long; with it, nothing beyond those (commit 9374ec2).
 //! - **A step goes on until it is near enough**, as it does without contact: for 20 iterations, unless forces balance
 //!   to 10⁻⁸ before, and until what the iteration still has to move is a tenth of what forces have moved
 //!   ([`PdConfig::velocity_tolerance`]), or up to [`PdConfig::most_iterations`]. A ribbon that folds down on itself
@@ -311,8 +314,8 @@
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`]: `OutOfRange` (no iterations, a spectral radius outside [0, 1), a
 //!   weight that is negative or not finite, rest positions of the coarse grid that do not match), `NoSuchVertex`,
-//!   `RepeatedVertex`, `NoSuchView`, or `MatrixTooLarge` (more entries than 32 bits count, or no memory to factorise
-//!   in). `energy` never fails; its error is kept for `build`.
+//!   `RepeatedVertex`, `UnsupportedElements`, or `MatrixTooLarge` (more entries than 32 bits count, or no memory to
+//!   factorise in). `energy` never fails; its error is kept for `build`.
 //! - **A step** is refused with a [`StepError`]: `InvalidTimeStep` if Δt is not positive and finite, `NonFiniteInput`
 //!   or `NonFinite` if an input or the result is not finite (the vertex is named), `NotPositiveDefinite` if A is not to
 //!   working precision, `Contact` if contact cannot be resolved. The state is then what it was before the step.
@@ -321,17 +324,18 @@
 //! - **Degenerate elements are no error.** A spring whose ends coincide projects to a direction that its vertex numbers
 //!   give, so a cloth collapsed to a point unfolds; a triangle collapsed to a line or a point has singular vectors
 //!   chosen for it. A triangle without rest area has no weight, and is left out.
-//! - **A hinge needs two rest areas.** [`TriMesh`](cloth_core::mesh::TriMesh) refuses an area of at most 10⁻¹² of the
-//!   square of the longest edge (`ZeroArea`), so the hinges of a mesh have them. One made by hand whose A₀ + A₁ is 0
-//!   has no finite weight: `OutOfRange` when building. With one area of 0 the weight is finite, but some qᵢ are not,
-//!   which the first step finds: `NotPositiveDefinite`, or `NonFinite` if all such qᵢ are at prescribed vertices.
+//! - **A hinge needs two rest areas**, which those of a [`TriMesh`](cloth_core::mesh::TriMesh) have (`ZeroArea`). One
+//!   made by hand whose A₀ + A₁ is 0 is refused when building, `OutOfRange`; with one area of 0 the first step finds
+//!   it: `NotPositiveDefinite`, or `NonFinite` at prescribed vertices.
 //! - **Cloth that no pin holds is no error**, nor is a part of it: it falls, with its momentum kept (`components.rs`).
-//! - **No convergence is no error.** Without a tolerance the outcome is
-//!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where `velocity_tolerance` or a failed line search
-//!   in contact ends the step; it is `Converged` where forces in contact balance to 10⁻⁸, where the cloth flies freely
-//!   (with `iterations: None`) and where nothing can move. A step that ends at `most_iterations` counts as
-//!   [`unfinished`](cloth_core::step::StepReport::unfinished). With [`PdConfig::tolerance`] the report has the
-//!   residual.
+//! - **No convergence is no error.** As in `cloth-massspring`, a step has
+//!   [`Converged`](cloth_core::step::Outcome::Converged) where, as its Newton decrement estimates, the change of
+//!   velocity is right to the tolerance asked for ([`PdConfig::velocity_tolerance`], with how near that is), where
+//!   [`PdConfig::tolerance`] is met, and the report has the residual, where forces in contact balance to 10⁻⁸, where
+//!   the cloth flies freely and where nothing can move. Else it is
+//!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent): after a given number of iterations, after a failed line
+//!   search in contact, and at `most_iterations`, which counts as
+//!   [`unfinished`](cloth_core::step::StepReport::unfinished).
 //!
 //! # Threads
 //! With the feature `parallel` (default) the vertices are cut into blocks of consecutive numbers. Each block visits the
@@ -418,43 +422,31 @@
 //!   hanging sheet closely; over five seconds its swinging dies away sooner than it should, and a sheet of 0.3 m, light
 //!   and stiff (0.1 kg/m², 4.8·10⁴ N/m, 1/120 s), falls by half of what it should. So the default goes on, from ten to
 //!   300 iterations, until its Newton decrement is a twentieth of the change of velocity
-//!   ([`PdConfig::velocity_tolerance`]): with 12 cells, at 64 vertices a side, after 300 steps, it has 19 % less
-//!   kinetic energy than implicit Euler, 6 % more stretch and 2.9 times the elastic energy, for 1.5 times the time of
-//!   ten iterations. Numbers of iterations instead; means over the last 100 of 300 steps, relative to converged
-//!   implicit Euler, at 64 a side (`cloth-bench study projective`, which has the same for 32):
+//!   ([`PdConfig::velocity_tolerance`]). [Below](#when-not-to-use-this-method) is what each loses at 64 a side, where 8
+//!   cells, 6 iterations and 5 pairs lose 86 % of the kinetic energy; at 32 a side ten iterations lose 46 %. Rounding
+//!   alone moves that: with sums in another order, or with the factor in single precision, ten lose 44 to 52 % at 64 a
+//!   side, 16 cells and 18 iterations 12 to 17 %, which take 1.6 to 1.7 times as long.
 //!
-//!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
-//!   |---|---|---|---|
-//!   | 8, 6, 5 | −86 | −18 | −28 |
-//!   | 12, 10, 2 | −52 | −3 | −28 |
-//!   | 16, 18, 2 | −15 | −4 | +6 |
+//!   *Why.* Folds are missing. A fold moves some vertices across the cloth and others a little along it, so that no
+//!   spring is stretched. The matrix is as stiff across a spring as along it, and the hats of a grid are too wide for
+//!   the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's
+//!   method, for which three iterations are enough. So folds go on with the velocity that they have, and what should
+//!   have bent is compressed (9 times the elastic energy with ten iterations, at 64 a side). `G` has a narrow, curved
+//!   valley along which the cloth bends; `quasi_newton.rs` has what was tried in vain.
 //!
-//!   At 32 a side ten iterations have a mean stretch of −5 % and a kinetic energy of −46 %. Rounding alone moves the
-//!   kinetic energy: with sums in another order, or with the factor in single precision, it is −44 to −52 % for
-//!   ten at 64 a side and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right
-//!   take 16 cells, 18 iterations and 2 pairs; a step then takes 1.6 to 1.7 times as long.
-//!
-//!   *Why.* The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest
-//!   stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another
-//!   point of its swing: some settings happen to be right at the last step and 36 % off on average, and rounding alone
-//!   moves the last step by a tenth and more: with 10 cells, three orders of adding up the springs had −28, −0.5 and
-//!   −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so
-//!   that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
-//!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the
-//!   cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have,
-//!   and what should have bent is compressed (9 times the elastic energy with ten iterations, at 64 a side).
-//!
-//!   `G` has a narrow, curved valley along which the cloth bends; `quasi_newton.rs` has what was tried in vain.
+//!   *One instant misleads.* The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the
+//!   same largest stretch to 1 % (32 a side). But a motion with too little energy is at another point of its swing, so
+//!   that a setting may be right at the last step and 36 % off on average; and rounding alone moves the last step: with
+//!   10 cells, three orders of adding up the springs had −28, −0.5 and −0.2 %.
 //! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after
 //!   half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
 //! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])` where no pin or body
-//!   moves: one that ends above is taken again, which the hanging sheet never needs. In energies this says that the
-//!   potential energy after the step and the kinetic energy `½ ‖v[1] − v[0]‖²_M` of the *change* of velocity are
-//!   together at most the whole energy before, so a tangle cannot store more. The kinetic energy `½ ‖v[1]‖²_M` is not
-//!   in that sum. Where E is convex and the step ends at the exact minimum of `G`, it may be added, and the sum is
-//!   still at most the whole energy before: no energy is gained. Plain and Chebyshev iterations from there, and all
-//!   from x̃, have no such guard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped,
-//!   hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced.
+//!   moves: one that ends above is taken again, which the hanging sheet never needs. In energies, V the elastic one and
+//!   that of gravity: `V(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ V(x[0]) + ½ ‖v[0]‖²_M`, so a tangle cannot store more than the
+//!   whole energy before. Where E is convex and the step ends at the exact minimum of `G`, `½ ‖v[1]‖²_M` may be added
+//!   on the left: no energy is gained. Plain and Chebyshev iterations from there, and all from x̃, have no such
+//!   safeguard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from
+//!   any start (in a point, on a line, mirrored, random, blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
 //!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, an error of 10⁻²
 //!   takes 32 iterations with it and 7 without any acceleration.
@@ -466,8 +458,8 @@
 //!   (`components.rs` has both).
 //! - Only energies of the form above. Springs, stitches, hinges flat or curved at rest or on midpoints,
 //!   as-rigid-as-possible triangles, strain limits and attachments have it; an energy with a varying stiffness does
-//!   not. Liu et al. (2017) go on to hyperelastic energies, with a w per element that shapes A alone. They are not
-//!   implemented here; `quasi_newton.rs` says how they fit w, and what one that is ten times off does.
+//!   not. The hyperelastic energies of Liu et al. (2017), with a w that shapes A alone, are not offered.
+//! - Isotropic materials only: no element has moduli of its own along warp and weft.
 //! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
 //! - A matrix in which elimination cancels all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m`
@@ -476,33 +468,41 @@
 //! - The residual compares with `‖∇G(x̃)‖`, in contact with `‖∇C(x)‖` if that is larger. Where that is rounding alone,
 //!   as for a cloth in free fall, no tolerance is met and all iterations are spent, without harm.
 //!
-//! # When to use it
-//! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor,
-//! with the whole matrix none raises `G`, and no step size is too large. With the default a step of the sheet above
-//! takes, at 64 a side, about a quarter of the time of converged implicit Euler around multigrid, for a fall within
-//! 0.1 % and a stretch within 3 % after half a second; what to take for longer motion is said above. Where the motion
-//! has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
-//! altogether between steps, the position-based methods have no matrix to factorise; XPBD relaxes the dual of the same
-//! step, row by row, in multipliers instead of positions, so that hard constraints cost it nothing. Quadratic energies
-//! (bending of a flat sheet, attachments) are solved exactly by one iteration.
+//! # Which settings
+//! | for | take |
+//! |---|---|
+//! | cloth at steps of a frame | the default, with a [coarse grid](PdBuilder::coarse_grid) of 12 cells |
+//! | the same time for each step | [`PdConfig::iterations`]: 10; 18 and 16 cells for seconds of motion |
+//! | cloth crumpled at the scale of the cells | the default without a grid |
+//! | a reference | [`PdConfig::tolerance`] of 10⁻⁶ and [`PdConfig::most_iterations`] of thousands |
+//! | the method as published | [`PdConfig::plain`] |
+//!
+//! It is for many steps with one mesh and one step size on a processor: an iteration costs two passes over a small
+//! factor, with the whole matrix none raises `G`, and no step size is too large. With the default a step of the sheet
+//! above takes, at 64 a side, about a quarter of the time of converged implicit Euler around multigrid, for a fall
+//! within 0.1 % and a stretch within 3 % after half a second; what to take for longer motion is said above. Where the
+//! motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is
+//! replaced altogether between steps, the position-based methods have no matrix to factorise.
 //!
 //! # When not to use this method
 //! Where seconds of motion have to look right, take a step of implicit Euler (`cloth-massspring`) that is cut short:
-//! three Newton iterations with the clamped Hessian, each of at most five conjugate gradients around a multigrid cycle,
-//! from `x[0] + Δt v[0]`. Five seconds of the sheet, relative to converged implicit Euler; means over the last 100 of
-//! 300 steps, `elastic` at the last, processor time of a run on one thread, setting up included, in milliseconds a step
-//! (AMD EPYC, Zen 4; other programs ran beside it, so that only ratios count):
+//! `ImplicitConfig::truncated`, three Newton iterations with the clamped Hessian, each of at most five conjugate
+//! gradients around a multigrid cycle, from `x[0] + Δt v[0]`. Five seconds of the sheet, relative to converged implicit
+//! Euler; means over the last 100 of 300 steps, `elastic` at the last, processor time of a run on one thread, setting
+//! up included, in milliseconds a step (AMD EPYC, Zen 4; other programs ran beside it, so that only ratios count):
 //!
 //! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
 //! |---|---|---|---|---|---|---|
 //! | 64 | 10 iterations | −52 % | −3 % | −28 % | × 9 | 3.7 |
+//! | | the default, 12 cells (18 on average) | −12 % | −3 % | +7 % | × 3.0 | 6.1 |
 //! | | 18 iterations, 16 cells | −15 % | −4 % | +6 % | × 2.8 | 5.9 |
 //! | | three Newton iterations of 5 | −3.4 % | +0.6 % | −3.3 % | × 0.94 | 10 |
 //! | 128 | 10 iterations | −43 % | −2 % | −14 % | × 15 | 25 |
+//! | | the default, 12 cells (16 on average) | −11 % | −0.9 % | +9 % | × 4.9 | 36 |
 //! | | 18 iterations, 16 cells | −8 % | −1.2 % | +10 % | × 4.9 | 42 |
 //! | | three Newton iterations of 5 | −3.0 % | +1.3 % | −11 % | × 0.83 | 72 |
 //!
-//! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd --set iterations=10`, or `iterations=18` and
+//! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd`, `--set iterations=10`, or `iterations=18` and
 //! `coarse=16`, or `--method implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5`
 //! and `--set start=inertial`; `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics
 //! is 1.6 times as fast or more than any setting of implicit Euler that was tried and keeps most of the swing. Its
@@ -512,10 +512,8 @@
 //! In contact a step takes more iterations, so these times do not hold there; `cloth-bench study decision` has a table
 //! with contact.
 //!
-//! Truncation does not suit every method. The quasi-Newton iteration of `implicit-euler` loses 90 % of the kinetic
-//! energy with five iterations a step at 64 a side, 72 % with ten, and 0.2 % with twenty. A start with an extrapolated
-//! velocity suits iterations that converge: cut short, it loses 20 % with three Newton iterations of five, and five
-//! quasi-Newton iterations blow up.
+//! What truncation does to other iterations of implicit Euler is said at `ImplicitConfig::truncated` of
+//! `cloth-massspring`.
 //!
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method. `examples/hanging.rs`: iterations against the minimum of `G`
@@ -544,8 +542,15 @@
 //!   Trans. Graph. 36(3), 23, 2017, <https://doi.org/10.1145/2990496>.
 //! - M. Ly, J. Jouve, L. Boissieux, F. Bertails-Descoubes, "Projective dynamics with dry frictional contact", ACM
 //!   Trans. Graph. 39(4), 57, 2020, <https://doi.org/10.1145/3386569.3392396>: another way to contact.
-//! - J. H. Bramble, J. E. Pasciak, J. Xu, "Parallel multilevel preconditioners", Math. Comp. 55, 1990,
-//!   <https://doi.org/10.1090/S0025-5718-1990-1023042-6>: sums of corrections on several grids.
+//! - R. A. Nicolaides, "Deflation of conjugate gradients with applications to boundary value problems", SIAM J. Numer.
+//!   Anal. 24(2), 1987, <https://doi.org/10.1137/0724027>; M. Dryja, O. B. Widlund, "An additive variant of the Schwarz
+//!   alternating method for the case of many subregions", report 339, New York University, 1987: coarse spaces.
+//! - B. Wu, Z. Wang, H. Wang, "A GPU-based multilevel additive Schwarz preconditioner for cloth and deformable body
+//!   simulation", ACM Trans. Graph. 41(4), 63, 2022, <https://doi.org/10.1145/3528223.3530085>; L. Lan et al.,
+//!   "Efficient GPU cloth simulation with non-distance barriers and subspace reuse", ACM Trans. Graph. 43(6), 2024,
+//!   <https://arxiv.org/abs/2403.19272>.
+//! - Y. Peng, B. Deng, J. Zhang, F. Geng, W. Qin, L. Liu, "Anderson acceleration for geometry optimization and physics
+//!   simulation", ACM Trans. Graph. 37(4), 42, 2018, <https://doi.org/10.1145/3197517.3201290>.
 //! - M. Li et al., "Incremental potential contact", ACM Trans. Graph. 39(4), 49, 2020,
 //!   <https://doi.org/10.1145/3386569.3392425>: lagged friction.
 //! - L. Wu, B. Wu, Y. Yang, H. Wang, "A safe and fast repulsion method for GPU-based cloth self collisions", ACM Trans.

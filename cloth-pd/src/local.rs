@@ -69,8 +69,8 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// the projections are constant.
     fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real;
 
-    /// Takes away the element that was given as number `element`, and hands over what it leaves of `Σ w SᵀS`: the rows
-    /// of its operator, negative. Returns whether it was there.
+    /// Takes away the element that was given as number `element`, and hands over what that adds to `Σ w SᵀS`: the rows
+    /// of its operator, with the weight −w. `None` if there is no such element.
     fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()>;
 
     /// Gets ready to add stiffness on a coarse space, whose matrices have `pattern`: P leads from there to the

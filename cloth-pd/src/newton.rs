@@ -33,12 +33,12 @@ use cloth_core::method::vectors::{add, dot};
 
 /// Residual, in the norm of the preconditioner and relative to the first, at which conjugate gradients end: in so many
 /// directions of a step; after these it is smaller by a factor from one direction to the next, down to the least.
-const LOOSE: Real = 0.2;
+const LOOSE_TOLERANCE: Real = 0.2;
 const LOOSE_DIRECTIONS: i32 = 30;
 const TIGHTENING: Real = 0.8;
-const TIGHTEST: Real = 1e-3;
+const TIGHTEST_TOLERANCE: Real = 1e-3;
 /// Most iterations of conjugate gradients.
-const MAX_ITERATIONS: u32 = 200;
+const MAX_CG_ITERATIONS: u32 = 200;
 
 /// The working memory.
 #[derive(Debug)]
@@ -91,9 +91,9 @@ impl TruncatedNewton {
         }
         self.found += 1;
         let tightened = (self.found - LOOSE_DIRECTIONS).max(0);
-        let tolerance = (LOOSE * TIGHTENING.powi(tightened)).max(TIGHTEST);
+        let tolerance = (LOOSE_TOLERANCE * TIGHTENING.powi(tightened)).max(TIGHTEST_TOLERANCE);
         let (mut first, mut size) = (0.0, 0.0);
-        for solves in 1..=MAX_ITERATIONS {
+        for solves in 1..=MAX_CG_ITERATIONS {
             self.precondition(global);
             let next = dot(&self.residual, &self.solved);
             if solves == 1 {
@@ -118,7 +118,7 @@ impl TruncatedNewton {
             add(out, length, &self.direction);
             add(&mut self.residual, -length, &self.product);
         }
-        MAX_ITERATIONS
+        MAX_CG_ITERATIONS
     }
 
     /// `(A⁻¹ + B⁻¹) r`, B the blocks on the diagonal.

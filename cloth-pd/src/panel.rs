@@ -1,4 +1,7 @@
-//! A Cholesky factor laid out for solving with three right-hand sides at once, again and again.
+//! A Cholesky factor laid out for solving with three right-hand sides at once, again and again: a supernodal triangular
+//! solve (Ng and Peyton 1993, <https://doi.org/10.1137/0914063>; T. A. Davis, *Direct Methods for Sparse Linear
+//! Systems*, SIAM 2006, <https://doi.org/10.1137/1.9780898718881>, chapters 3 and 4), on threads over independent
+//! subtrees of the elimination tree.
 //!
 //! Where a matrix acts on x, y and z alike, one solve carries all three. Projective dynamics does so in every
 //! iteration with the same factor, and then its layout decides how long an iteration takes: the solve reads every

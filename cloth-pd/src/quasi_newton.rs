@@ -1,9 +1,9 @@
 //! L-BFGS that starts from the constant matrix (T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time
 //! simulation of hyperelastic materials", 2017, algorithm 2), and its line search.
 //!
-//! *Direction.* With pairs s = Δx, y = Δ∇G, the newest first: a = s·q/(s·y), q ← q − a y, from q = −∇G; then one global
-//! solve, p = A⁻¹ q (and the coarse correction); then, the oldest first, p ← p + (a − y·p/(s·y)) s (the two-loop
-//! recursion, Nocedal and Wright 2006, algorithm 7.4).
+//! *Direction.* With pairs s = Δx, y = Δ∇G, the newest first: a = s·r/(s·y), r ← r − a y, from r = −∇G; then one global
+//! solve, p = A⁻¹ r (and the coarse correction); then, the oldest first, p ← p + (a − y·p/(s·y)) s (the two-loop
+//! recursion, Nocedal and Wright 2006, algorithm 7.4; `limited_memory.rs` takes the same products in one pass).
 //!
 //! *Pairs.* A step begins without any: another x̃ makes another `G`, and pairs of the step before made line searches
 //! necessary. A failed direction clears them too. Armijo's condition alone does not make yᵀs positive for a step s and
@@ -15,39 +15,22 @@
 //! accepted one is the evaluation that the next iteration needs. So an iteration that does not backtrack costs as much
 //! as a plain one, and the products with the pairs.
 //!
-//! *In contact* the direction is that of `newton.rs`, and no pairs are kept.
+//! *In contact* the direction is that of `newton.rs`, and no pairs are kept. It does not account for contacts that are
+//! not active yet: where cloth is light and soft it can be many times as long as the cloth. Detection then has all of
+//! that path to search, and truncation vertex by vertex leaves nothing of its shape. So the whole direction is first
+//! scaled down to a trust radius ([`TrustRadius`]). It begins at twice the longest displacement of the step without
+//! elasticity; an iteration that is cut below half of what was tried shrinks it to twice what it came to, one that only
+//! the radius has cut doubles it.
 //!
 //! *Where it fails.* A direction that ascends, or twelve lengths in vain: the pairs are cleared, and −A⁻¹∇G is taken,
 //! without the coarse grid. With the whole matrix and no contact it lowers G by proof (`objective.rs`) and is not
 //! searched; with bending left out it is searched if G rises. In contact it always is; if that fails the step ends
 //! where it is, with [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent).
 //!
-//! *A wrong weight.* Here w is the stiffness itself. For other isotropic materials Liu et al. fit it (their energies
-//! are sums of functions of the singular values and of products of these, after Valanis and Landel): w is the slope of
-//! the straight line nearest to the stress, by linear regression over an interval of stretches around 1, those that are
-//! expected. Value and gradient stay those of the material, and w is in A alone. What a wrong one does: a plain
-//! iteration multiplies the error in a mode of A⁻¹∇²G of eigenvalue λ by 1 − λ. Say that λ = 1 for A with the right w,
-//! and that elasticity outweighs M/Δt². With w too small by ten λ is 10: without a search the iteration diverges (as it
-//! does from λ = 2 on); the parabola finds length 1/10 at the second trial, for one evaluation more an iteration. With
-//! w too large by ten λ is 1/10: descent is safe, and a plain iteration keeps 0.9 of the error, 22 iterations for a
-//! digit. Pairs correct that in as many directions as there are pairs; A is not rescaled by them.
-//!
-//! *Which interval.* Let t = s − 1 for a stretch s. The slope over −a ≤ t ≤ a is w = ∫ t f dt/∫ t² dt, whether or not
-//! the line has to pass through f(0) = 0. With f = k (t + c₂ t² + c₃ t³) that is w = k (1 + ⅗ c₃ a²): a wider interval
-//! raises w where c₃ > 0 and lowers it where c₃ < 0, and w tends to k, the stiffness at rest, as it narrows. As an
-//! example take a spring that cannot be pressed to a point: energy ¼ k (s² − 1 − 2 ln s), stress f = ½ k (s − 1/s), so
-//! c₃ = ½ and, in full, w = ½ k (1 + 3 (ln((1 + a)/(1 − a)) − 2a)/(2a³)), which grows without bound as a tends to 1.
-//! Its stiffness is f′ = ½ k (1 + 1/s²); with A from w, λ = f′/w is the eigenvalue above:
-//!
-//! | stretches s | w/k | λ at the shortest | λ at the longest |
-//! |---|---|---|---|
-//! | 0.9 to 1.1 | 1.003 | 1.11 | 0.91 |
-//! | 0.5 to 1.5 | 1.092 | 2.29 | 0.66 |
-//! | 0.1 to 1.9 | 1.677 | 30 | 0.38 |
-//!
-//! For w is a mean of f′ over the interval, weighted by a² − t², and not its largest value. A wide interval slows the
-//! iteration where the spring is pulled (λ below 1), and w is no bound all the same where it is pressed (λ above 2: a
-//! line search is needed).
+//! *A wrong weight* is in A alone: value and gradient stay those of the material. Ten times too small, a plain
+//! iteration diverges and the search shortens steps to a tenth; ten times too large, it keeps 0.9 of an error. (For
+//! hyperelastic energies, which are not here, Liu et al. fit w by linear regression to the stress over the stretches
+//! expected.)
 //!
 //! *Tried in vain*, on the hanging sheet of the crate page at 32 or 64 a side: a start extrapolated with the last
 //! change of velocity; pairs kept from the step before, as they are (the steps then need line searches) or with their
@@ -71,22 +54,22 @@ use cloth_core::method::vectors::dot;
 /// Two values of `G` that differ by less than this fraction of their size cannot be told apart.
 pub(crate) const ROUNDING: Real = 1e-12;
 /// Fraction of the first slope that the slope at the new point may have, with either sign, where values cannot be told
-/// apart.
+/// apart: looser than the 0.8 of `cloth-massspring`, which bounds one sign only.
 const APPROXIMATE_WOLFE: Real = 0.9;
-/// Step lengths tried along one direction; each is at most half of the one before.
+/// Step lengths tried along one direction, each at most half of the one before. Few, as a plain iteration comes next.
 const MAX_TRIALS: u32 = 12;
-/// Least number of pairs in a step with contact, which is stiff, and comes and goes.
+/// Least number of pairs in a step that was given contacts, none of them active: with one, no pairs are kept.
 const CONTACT_HISTORY: usize = 20;
 /// First trust radius of a step with contact, over the longest displacement that it would have without elasticity:
 /// farther than that a direction may reach, but not the cloth.
-const FIRST_RADIUS: Real = 2.0;
+const INITIAL_RADIUS_RATIO: Real = 2.0;
 /// Where that is below this fraction of the first direction, elasticity or bodies alone move the cloth, and the first
 /// radius is infinite.
-const ELASTIC: Real = 0.01;
+const MIN_RADIUS_RATIO: Real = 0.01;
 /// Factor on the radius after a step that only the radius has shortened.
 const RADIUS_GROWTH: Real = 2.0;
 /// A step that comes less far than this fraction of what was tried shrinks the radius.
-const SHORTENED: Real = 0.5;
+const RADIUS_SHRINK_BELOW: Real = 0.5;
 
 /// The remembered pairs and the working memory.
 #[derive(Debug)]
@@ -138,7 +121,7 @@ impl QuasiNewton {
         if let Some(newton) = &mut self.newton {
             newton.begin();
         }
-        self.first_radius = FIRST_RADIUS * in_contact.map_or(0.0, longest);
+        self.first_radius = INITIAL_RADIUS_RATIO * in_contact.map_or(0.0, longest);
         self.memory.clear_for(match (self.requested, in_contact) {
             (0, _) => 0,
             (requested, Some(_)) => requested.max(CONTACT_HISTORY),
@@ -226,7 +209,7 @@ impl QuasiNewton {
         };
         let displacement = length * left;
         if let Some(radius) = &mut self.radius {
-            if displacement < SHORTENED * tried {
+            if displacement < RADIUS_SHRINK_BELOW * tried {
                 radius.shorten(displacement);
             } else if is_shortened {
                 radius.grow();
@@ -239,7 +222,7 @@ impl QuasiNewton {
     fn shorten_to_radius(&mut self) -> bool {
         let (first, direction) = (self.first_radius, &self.direction);
         let radius = self.radius.get_or_insert_with(|| {
-            let is_elastic = first < ELASTIC * longest(direction);
+            let is_elastic = first < MIN_RADIUS_RATIO * longest(direction);
             let first = if is_elastic { Real::INFINITY } else { first };
             TrustRadius::new(first, RADIUS_GROWTH)
         });

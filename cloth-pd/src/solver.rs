@@ -59,22 +59,22 @@ enum Method {
 }
 
 /// Iterations over which the fall of `G` is measured.
-const SPAN: usize = 5;
+const DECREASE_WINDOW: usize = 5;
 /// Least number of iterations in a step that goes on until it is near enough, and the number in one that does not know.
-const LEAST: u32 = 10;
+const MIN_ITERATIONS: u32 = 10;
 /// Least number in a step with contact where directions are those of the constant matrix; and of Newton's method, also
 /// where pins, bodies or forces drive the cloth: pulled around a cylinder, a strip holds 11 % longer than it should with
 /// eight, 3 % with fourteen, and as long as it should with twenty.
-const LEAST_IN_CONTACT: u32 = 30;
-const LEAST_OF_NEWTON: u32 = 8;
-const LEAST_OF_NEWTON_DRIVEN: u32 = 20;
+const MIN_ITERATIONS_IN_CONTACT: u32 = 30;
+const MIN_NEWTON_ITERATIONS: u32 = 8;
+const MIN_NEWTON_ITERATIONS_DRIVEN: u32 = 20;
 /// Factor on the tolerance without active contacts. Ten iterations a step leave a light, stiff sheet (0.3 m, 0.1
 /// kg/m², 4.8·10⁴ N/m, steps of 1/120 s) at half of its fall, with all of the tolerance it falls 0.6 to 1 times as far
 /// as it should, with this 0.9 to 1.1 times.
-const FREE: Real = 0.5;
+const NO_CONTACT_TOLERANCE_FACTOR: Real = 0.5;
 /// Factor on the tolerance where pins move: strain that a step leaves where a pin has pulled adds up over the steps.
 /// With all of it a towel whose ends are turned takes 13 times the work that it should, with this 1.7 times.
-const DRIVEN: Real = 0.3;
+const MOVING_PIN_TOLERANCE_FACTOR: Real = 0.3;
 
 impl Stepper for PdSolver {
     fn name(&self) -> &'static str {
@@ -238,7 +238,7 @@ impl PdSolver {
             self.begin_contact(state, input.dt, &mut **contact)?;
         }
         report.outcome = self.iterate(reference, report, input, contact)?;
-        if self.has_gained_energy(state, contact)? {
+        if self.fall_back_if_higher(state, contact)? {
             report.outcome = self.iterate(reference, report, input, contact)?;
         }
         self.restore_momentum(contact)
@@ -311,11 +311,11 @@ impl PdSolver {
         let most = match self.config.iterations {
             Some(iterations) => iterations,
             None if knows_its_end => self.config.most_iterations,
-            None => LEAST,
+            None => MIN_ITERATIONS,
         };
         let last = first + most;
         // The last values of `G` (J).
-        let mut values = [Real::INFINITY; SPAN];
+        let mut values = [Real::INFINITY; DECREASE_WINDOW];
         loop {
             let is_last = report.iterations == last;
             // A number of iterations is all that may have been asked for.
@@ -340,21 +340,22 @@ impl PdSolver {
             if is_stuck {
                 return Ok(Outcome::BudgetSpent);
             }
-            let oldest = &mut values[report.iterations as usize % SPAN];
+            let oldest = &mut values[report.iterations as usize % DECREASE_WINDOW];
             let gain = std::mem::replace(oldest, self.point.value) - self.point.value;
             if goes_on && self.config.tolerance.is_none() {
                 let (least, part) = match (is_driven, self.has_contact()) {
-                    (true, _) => (LEAST_IN_CONTACT, DRIVEN),
-                    (false, true) => (LEAST_IN_CONTACT, 1.0),
-                    (false, false) => (LEAST, FREE),
+                    (true, _) => (MIN_ITERATIONS_IN_CONTACT, MOVING_PIN_TOLERANCE_FACTOR),
+                    (false, true) => (MIN_ITERATIONS_IN_CONTACT, 1.0),
+                    (false, false) => (MIN_ITERATIONS, NO_CONTACT_TOLERANCE_FACTOR),
                 };
                 let least = match (self.is_newton(), is_driven) {
-                    (true, false) => LEAST_OF_NEWTON,
-                    (true, true) => LEAST_OF_NEWTON_DRIVEN,
+                    (true, false) => MIN_NEWTON_ITERATIONS,
+                    (true, true) => MIN_NEWTON_ITERATIONS_DRIVEN,
                     (false, _) => least,
                 };
                 if report.iterations >= first + least && self.is_near(part, gain) {
-                    return Ok(Outcome::BudgetSpent);
+                    report.unfinished = 0;
+                    return Ok(Outcome::Converged);
                 }
             }
             if let Some(observer) = &mut input.observer {
@@ -366,8 +367,8 @@ impl PdSolver {
         }
     }
 
-    /// Whether `G` is higher at the point, where the quasi-Newton method has gone from [`StartGuess::Inertial`], than
-    /// at `x[0]`; the point is then that, with free components where their momentum takes them.
+    /// Goes back to `x[0]`, with free components where their momentum takes them, if `G` is higher at the point, where
+    /// the quasi-Newton method has gone from [`StartGuess::Inertial`], than there. Returns whether it did.
     ///
     /// `G(x[1]) ≤ G(x[0])` bounds the potential energy that a step can make. Every iteration lowers `G`, so a start at
     /// `x[0]` has that; one that goes on with the velocity can end above it, where the cloth is so tangled that the
@@ -384,7 +385,7 @@ impl PdSolver {
     /// - Where a pin moves, the families of constant projection may store less at the fallback than at `x[0]`. The end
     ///   that is kept is above the fallback by no more than what they store at `x[0]`.
     /// - Where contact has led free vertices around a body that moves, the fallback is not `x[0]`, and has inertia too.
-    fn has_gained_energy(
+    fn fall_back_if_higher(
         &mut self,
         state: &State,
         contact: &mut Contact<'_>,

@@ -231,7 +231,7 @@ impl SingleBuilder {
                 }
                 Elements::Quadratic(hinges) => self = self.vector_rows(&hinges),
                 other => {
-                    let error = other.no_view(
+                    let error = other.unsupported(
                         "depends on one distance or is one vector row, in single precision",
                     );
                     self.error = self.error.or(Some(error));
@@ -269,7 +269,7 @@ impl SingleBuilder {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchVertex`]; [`BuildError::RepeatedVertex`];
-    /// [`BuildError::SettingsConflict`] and [`BuildError::NoSuchView`] for elements that are not a vector row.
+    /// [`BuildError::SettingsConflict`] and [`BuildError::UnsupportedElements`] for elements that are not a vector row.
     pub fn build(self) -> Result<SingleXpbd, BuildError> {
         if let Some(error) = self.error {
             return Err(error);

@@ -42,6 +42,7 @@ Of the numbers that come out:
   tangled_pairs        pairs of triangles of the cloth that passed through each other before each step, of a scene with untangle=yes, until nothing did
   tangled_obstacle_pairs  the same of a triangle of the cloth and one of a body
   untangled_after      steps after which none of these crossed any more
+  converged_steps      steps that ended within the tolerance of the method, by its own estimate; none of methods without one
   unfinished_steps     steps that ended at their most iterations, short of the end that the method looks for
   held_steps           steps that ended with vertices held back by contact
   pinched_steps        steps after which cloth that bodies had pinched was passing through one of them

@@ -3,7 +3,6 @@
 use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Auto, Choice, Or, Parameter, Range::*, Settings, Table};
-use cloth_core::element::Convexity;
 use cloth_core::math::Real;
 use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_massspring::{Damping, HessianPolicy, ImplicitConfig, Solve, StartGuess};
@@ -94,10 +93,7 @@ pub(super) fn newton(scene: &Scene, settings: &Settings) -> Result<ImplicitConfi
     }
     // With the exact Hessian first, steps of few conjugate gradients can fail.
     let (solver, hessian) = match *own.linear {
-        Or::Word(_) => (
-            LinearSolver::Multigrid,
-            HessianPolicy::Always(Convexity::Clamp),
-        ),
+        Or::Word(_) => (LinearSolver::Multigrid, ImplicitConfig::truncated().hessian),
         Or::Value(solver) => (solver, HessianPolicy::default()),
     };
     let (solve, linear) = if is_quasi_newton {

@@ -147,7 +147,7 @@ impl Elements {
     /// Shows the elements as constraints.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchView`] for a kind that is no sum of squares `½ k C²`: the cubic shell.
+    /// [`BuildError::UnsupportedElements`] for a kind that is no sum of squares `½ k C²`: the cubic shell.
     pub fn as_constraints<V: ConstraintVisitor>(self, visitor: V) -> Result<V::Output, BuildError> {
         Ok(match self {
             Self::Springs(elements) => visitor.visit(elements),
@@ -163,14 +163,14 @@ impl Elements {
             Self::Links(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
             Self::EdgeStitches(elements) => visitor.visit(elements),
-            Self::Cubic(_) => return Err(self.no_view("is a sum of squares ½ k C²")),
+            Self::Cubic(_) => return Err(self.unsupported("is a sum of squares ½ k C²")),
         })
     }
 
     /// Shows the elements as squared distances to sets.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchView`] for a kind that is none: StVK triangles, dihedral hinges, the cubic shell.
+    /// [`BuildError::UnsupportedElements`] for a kind that is none: StVK triangles, dihedral hinges, the cubic shell.
     pub fn as_projections<V: ProjectiveVisitor>(self, visitor: V) -> Result<V::Output, BuildError> {
         Ok(match self {
             Self::Springs(elements) => visitor.visit(elements),
@@ -185,15 +185,15 @@ impl Elements {
             Self::Stitches(elements) => visitor.visit(elements),
             Self::EdgeStitches(elements) => visitor.visit(elements),
             Self::Stvk(_) | Self::Dihedral(_) | Self::Cubic(_) => {
-                return Err(self.no_view("is a squared distance ½ w ‖Sx − p‖² to a set"));
+                return Err(self.unsupported("is a squared distance ½ w ‖Sx − p‖² to a set"));
             }
         })
     }
 
     /// The error of a method that cannot take these elements; `needs` says what their energy would have to be.
     #[must_use]
-    pub fn no_view(&self, needs: &'static str) -> BuildError {
-        BuildError::NoSuchView {
+    pub fn unsupported(&self, needs: &'static str) -> BuildError {
+        BuildError::UnsupportedElements {
             elements: self.name(),
             needs,
         }

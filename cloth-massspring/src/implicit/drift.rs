@@ -10,6 +10,7 @@ use super::stage::Stage;
 use cloth_core::math::{Mat3, Vec3};
 use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::Energies;
+use cloth_core::topology::DisjointSets;
 
 /// The connected components without a prescribed vertex, and without an element that ties one vertex to a place.
 #[derive(Debug)]
@@ -21,18 +22,16 @@ impl Unconstrained {
     /// Those of the graph that the blocks of a matrix make; `is_loose[v]` says that nothing holds vertex `v`.
     fn of(pattern: &BlockPattern, is_loose: &[bool]) -> Self {
         let count = pattern.row_count();
-        let mut root: Vec<u32> = (0..count as u32).collect();
+        let mut sets = DisjointSets::new(count);
         for row in 0..count {
             for &column in &pattern.columns()[pattern.row(row)] {
-                let (a, b) = (find(&mut root, row as u32), find(&mut root, column));
-                // The lowest number of a component is its root.
-                root[a.max(b) as usize] = a.min(b);
+                sets.join(row as u32, column);
             }
         }
         let mut components = vec![Vec::new(); count];
         let mut is_held = vec![false; count];
         for vertex in 0..count {
-            let root = find(&mut root, vertex as u32) as usize;
+            let root = sets.root(vertex as u32) as usize;
             components[root].push(vertex as u32);
             is_held[root] |= !is_loose[vertex];
         }
@@ -102,13 +101,4 @@ fn shift_to_minimum(
         point.positions[vertex] += shift;
         point.gradient[vertex] += of(vertex) * shift;
     }
-}
-
-/// The root of a vertex, with the path to it halved.
-fn find(root: &mut [u32], mut vertex: u32) -> u32 {
-    while root[vertex as usize] != vertex {
-        root[vertex as usize] = root[root[vertex as usize] as usize];
-        vertex = root[vertex as usize];
-    }
-    vertex
 }

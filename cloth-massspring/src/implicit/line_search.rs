@@ -9,10 +9,12 @@ use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 /// differ by less cannot be told apart (see [`search`]).
 const ROUNDING: Real = 1e-10;
 /// In that case the slope at the new point may be at most this part of the size of the first, the approximate Wolfe
-/// condition `φ′(α) ≤ (1 − 2c) |φ′(0)|` with c = 0.1; how steeply `G` still falls there does not matter.
-const SLOPE: Real = 0.8;
-/// Step lengths tried before giving up. Each is at most half of the one before.
-const MOST_TRIALS: u32 = 50;
+/// condition `φ′(α) ≤ (1 − 2c) |φ′(0)|` with c = 0.1: stricter than [`ARMIJO`]'s c, which would let through steps to
+/// almost as far beyond the minimum as they started before it. How steeply `G` still falls there does not matter.
+const APPROXIMATE_WOLFE: Real = 0.8;
+/// Step lengths tried before giving up, each at most half of the one before: down to 10⁻¹⁵ at least, since what comes
+/// next is a factorisation. (The twelve of `cloth-pd` are enough there: a plain iteration comes next.)
+const MAX_TRIALS: u32 = 50;
 
 /// An iterate, with value and gradient.
 #[derive(Clone, Debug, Default)]
@@ -43,10 +45,11 @@ impl Point {
 /// Moves `to` to `from + α direction`, `slope` (J) being that along the direction, with `α = most` or the first smaller
 /// one that is accepted, and evaluates it there.
 ///
-/// Armijo's condition compares two values of `G`. Near the minimum they agree in all digits that are
-/// free of rounding, long before the gradient is as small as it can be. There the condition is put in terms of slopes,
-/// as Hager and Zhang do (SIAM J. Optim. 16, 2005, <https://doi.org/10.1137/030601880>): for a quadratic, the slope
-/// `φ'(α) ≤ (1 − 2c) |φ'(0)|` says the same as `φ(α) ≤ φ(0) + c α φ'(0)`, without cancellation.
+/// Armijo's condition compares two values of `G`. Near the minimum they agree in all digits that are free of rounding,
+/// long before the gradient is as small as it can be. There the condition is put in terms of slopes, as Hager and Zhang
+/// do (SIAM J. Optim. 16, 2005, <https://doi.org/10.1137/030601880>): for a quadratic and the same c, the slope
+/// `φ'(α) ≤ (1 − 2c) |φ'(0)|` says the same as `φ(α) ≤ φ(0) + c α φ'(0)`, without cancellation. Here c is 0.1 in the
+/// first and 10⁻⁴ in the second.
 pub(super) fn search(
     stage: &Stage<'_>,
     from: &Point,
@@ -55,13 +58,13 @@ pub(super) fn search(
     most: Real,
     to: &mut Point,
 ) -> Found {
-    backtrack(slope, most, MOST_TRIALS, |length| {
+    backtrack(slope, most, MAX_TRIALS, |length| {
         place(from, direction, length, to);
         to.evaluate(stage);
         let rise = to.value - from.value;
         let enough = rise <= ARMIJO * length * slope;
         let is_told_apart = rise.is_nan() || rise > ROUNDING * from.value.abs();
-        let is_flatter = || dot(&to.gradient, direction) <= SLOPE * slope.abs();
+        let is_flatter = || dot(&to.gradient, direction) <= APPROXIMATE_WOLFE * slope.abs();
         let accepted = enough || (!is_told_apart && is_flatter());
         Trial { rise, accepted }
     })
@@ -88,7 +91,7 @@ pub(super) fn leave_saddle(
     // largest coordinate down.
     let size = |v: &[Vec3]| v.iter().map(Vec3::amax).fold(0.0, Real::max);
     let mut length = size(&from.positions) / size(direction);
-    for _ in 0..MOST_TRIALS {
+    for _ in 0..MAX_TRIALS {
         place(from, direction, length, to);
         to.evaluate(stage);
         if to.value - from.value <= 0.25 * curvature * length * length {

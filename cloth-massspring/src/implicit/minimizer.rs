@@ -23,27 +23,28 @@ use std::sync::Arc;
 
 /// Where no lower point is found, the gradient counts as lost in rounding up to this multiple of the estimate of
 /// [`Stage::rounding`]; above, it is an error.
-pub(super) const STALL: Real = 100.0;
+pub(super) const ROUNDING_FACTOR: Real = 100.0;
 /// With a gradient that small, a step length below this counts as no step.
-pub(super) const LOST: Real = 1e-3;
+pub(super) const NEGLIGIBLE_STEP: Real = 1e-3;
 /// Relative gradient norm below which Newton's method finishes, where a tolerance asks for less: it converges
 /// quadratically there, down to rounding, the quasi-Newton method linearly.
-const FINISH: Real = 1e-5;
+const NEWTON_HANDOVER: Real = 1e-5;
 /// Factor on the tolerance where something touches: friction holds what lies near its limit, and what it does not hold
 /// is a small part of all forces. With all of the tolerance a handkerchief that should slide off a corner stays there.
-const TOUCHING: Real = 0.3;
-/// The same as FINISH as a multiple of the estimate of rounding: one Newton step from there ends well below it.
-const LEFT: Real = 1e4;
+const CONTACT_TOLERANCE_FACTOR: Real = 0.3;
+/// The same as NEWTON_HANDOVER as a multiple of the estimate of rounding: one Newton step from there ends well below
+/// it.
+const NEWTON_HANDOVER_ROUNDING: Real = 1e4;
 /// Where much energy is released after the start, as from cloth crushed to a point, the decrement is compared with at
 /// least this fraction of the velocity that the energy would make.
-const VIOLENT: Real = 1e-3;
+const MIN_RELEASED_SPEED: Real = 1e-3;
 
 /// Fraction of a direction below which one step length for all vertices is given up for one each.
-const STALLED: Real = 0.01;
+const VERTEX_BY_VERTEX_BELOW: Real = 0.01;
 /// Fraction of a direction below which only half of what contact leaves of it is followed. A path that turns into a
 /// pair takes of the gap with its square: followed to the end of what is free it leaves a fifth of it, and the next
 /// step is as short; half of it leaves four fifths.
-const NARROW: Real = 0.1;
+const HALVED_BELOW: Real = 0.1;
 /// Factor on the trust radius after a step to its end that has not been shortened.
 const RADIUS_GROWTH: Real = 4.0;
 
@@ -186,7 +187,8 @@ impl Minimizer {
                     return Ok(report);
                 }
                 End::Done(Outcome::Converged)
-                    if task.config.accept == Accept::Minimum || task.config.tolerance < FINISH => {}
+                    if task.config.accept == Accept::Minimum
+                        || task.config.tolerance < NEWTON_HANDOVER => {}
                 End::Done(outcome) => {
                     report.outcome = outcome;
                     return Ok(report);
@@ -274,11 +276,11 @@ impl Minimizer {
         loop {
             let norm = self.gradient_norm(task)?;
             report.residual = Some(self.residual(norm, rounding));
-            let is_finishing = task.config.tolerance < FINISH && contact.is_none();
+            let is_finishing = task.config.tolerance < NEWTON_HANDOVER && contact.is_none();
             let (tolerance, least) = if is_finishing {
-                (FINISH, LEFT * rounding)
+                (NEWTON_HANDOVER, NEWTON_HANDOVER_ROUNDING * rounding)
             } else if contact.is_some() && method.is_touching() {
-                (TOUCHING * task.config.tolerance, rounding)
+                (CONTACT_TOLERANCE_FACTOR * task.config.tolerance, rounding)
             } else {
                 (task.config.tolerance, rounding)
             };
@@ -316,7 +318,7 @@ impl Minimizer {
                     self.next.positions.copy_from_slice(&self.current.positions);
                     continue;
                 }
-                return Ok(match norm <= STALL * rounding {
+                return Ok(match norm <= ROUNDING_FACTOR * rounding {
                     true => End::Done(Outcome::Converged),
                     false => End::Stuck,
                 });
@@ -333,14 +335,14 @@ impl Minimizer {
             let part = trusted.map_or(1.0, |trusted| trusted.fraction);
             let most = self.longest_step(task, contact, part)?;
             if contact.is_some()
-                && most < STALLED * part
+                && most < VERTEX_BY_VERTEX_BELOW * part
                 && self.search_vertex_by_vertex(task, contact, part, report)?
             {
-                method.forget();
+                method.drop_pairs();
                 std::mem::swap(&mut self.current, &mut self.next);
                 continue;
             }
-            let most = if most < NARROW * part {
+            let most = if most < HALVED_BELOW * part {
                 0.5 * most
             } else {
                 most
@@ -359,7 +361,7 @@ impl Minimizer {
                 }
             }
             if !found.accepted {
-                if norm <= STALL * rounding {
+                if norm <= ROUNDING_FACTOR * rounding {
                     return Ok(End::Done(Outcome::Converged));
                 }
                 if method.restart() {
@@ -368,7 +370,7 @@ impl Minimizer {
                 }
                 return Ok(End::Stuck);
             }
-            if found.length < LOST && norm <= STALL * rounding {
+            if found.length < NEGLIGIBLE_STEP && norm <= ROUNDING_FACTOR * rounding {
                 return Ok(End::Done(Outcome::Converged));
             }
             // What is linearised has the curvature that the matrix says.
@@ -378,7 +380,7 @@ impl Minimizer {
                 false => found.length,
             };
             let (from, to) = (&self.current.gradient, &self.next.gradient);
-            method.remember(length, &self.direction, from, to);
+            method.accumulate(length, &self.direction, from, to);
             std::mem::swap(&mut self.current, &mut self.next);
             self.notify(observer, report.iterations);
         }
@@ -498,7 +500,7 @@ impl Minimizer {
     pub(super) fn close_enough(&self, task: &Task<'_>, tolerance: Real) -> Real {
         let given_off = 2.0 * (self.first - self.current.value).max(0.0);
         let change = self.forces * task.stage.potential.dt;
-        tolerance * change.max(VIOLENT * given_off.sqrt())
+        tolerance * change.max(MIN_RELEASED_SPEED * given_off.sqrt())
     }
 
     /// A Newton decrement (√J) relative to the change of velocity that the forces make.

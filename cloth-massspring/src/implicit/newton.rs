@@ -14,7 +14,7 @@
 //! After `max_iterations` the point so far is the result, with `Outcome::BudgetSpent`.
 
 use super::line_search;
-use super::minimizer::{Minimizer, STALL, Task};
+use super::minimizer::{Minimizer, ROUNDING_FACTOR, Task};
 use super::system::NewtonSystem;
 use crate::config::Accept;
 use cloth_core::math::Real;
@@ -61,7 +61,7 @@ pub(super) fn iterate(
                 report.residual = Some(points.relative(task, decrement));
             }
             if !moved {
-                if norm <= STALL * rounding || is_close {
+                if norm <= ROUNDING_FACTOR * rounding || is_close {
                     return Ok(());
                 }
                 if system.clamp_fully() {
@@ -204,7 +204,7 @@ fn is_accepted(
     system.factorize_exact(&task.stage, &points.current.positions)
 }
 
-/// Goes down from a saddle point, into `next`, where a gradient shows no way. Returns whether there is one.
+/// Goes down from a saddle point, into `next`, where the gradient vanishes. Returns whether there is a way down.
 fn leave_saddle(points: &mut Minimizer, system: &mut NewtonSystem, task: &Task<'_>) -> bool {
     let (x, product) = (&points.current.positions, &mut points.next.gradient);
     let direction = &mut points.direction;

@@ -5,7 +5,7 @@ use cloth_core::math::Real;
 /// Iterations between two comparisons.
 const WINDOW: u32 = 100;
 /// More iterations than this, at the rate of the last two windows, are too many: Newton's method takes over.
-const TOO_FAR: Real = 1000.0;
+const MAX_REMAINING_ITERATIONS: Real = 1000.0;
 
 /// The smallest Newton decrements (√J) so far.
 #[derive(Debug)]
@@ -33,6 +33,6 @@ impl Progress {
         let [before, last] = self.marks;
         self.marks = [last, self.smallest];
         let fall_per_iteration = (before / self.smallest).ln() / Real::from(2 * WINDOW);
-        (decrement / enough).ln() > TOO_FAR * fall_per_iteration
+        (decrement / enough).ln() > MAX_REMAINING_ITERATIONS * fall_per_iteration
     }
 }

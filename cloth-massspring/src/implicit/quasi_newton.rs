@@ -16,18 +16,18 @@ use cloth_core::method::vectors::dot;
 use std::sync::Arc;
 
 /// Iterations at the start of a step that take the matrix anew each, with predicted forces.
-const MIXED: u32 = 4;
+const PREDICTED_FORCE_ITERATIONS: u32 = 4;
 /// Iterations after which the matrix is taken anew.
-const REFRESH: u32 = 8;
+const REFRESH_INTERVAL: u32 = 8;
 /// Fraction of a direction below which a step in contact counts as cut short, and the number of such steps after which
 /// directions are those of the truncated Newton method.
-const SHORT: Real = 0.25;
-const MOST_CUT: u32 = 5;
+const SHORTENED_BELOW: Real = 0.25;
+const MAX_SHORTENED_STEPS: u32 = 5;
 /// Largest stiffness of a contact, over the largest diagonal block of the cloth: beyond, a cycle in single precision
 /// would not stay positive definite.
-const STIFFEST: Real = 1e4;
+const MAX_CONTACT_STIFFNESS_RATIO: Real = 1e4;
 /// Pairs that are kept.
-const PAIRS: usize = 5;
+const HISTORY: usize = 5;
 
 /// The first inverse Hessian, and the pairs.
 #[derive(Debug)]
@@ -60,7 +60,7 @@ impl QuasiNewton {
         let assembly = energies.lumped_assembly();
         Self {
             matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
-            history: LimitedMemory::new(is_free.len(), PAIRS),
+            history: LimitedMemory::new(is_free.len(), HISTORY),
             rows: Vec::new(),
             contact_pairs: Vec::new(),
             for_cycle: Vec::new(),
@@ -96,15 +96,15 @@ impl QuasiNewton {
         is_start: bool,
     ) -> bool {
         let x = &current.positions[..];
-        let is_mixed = self.iterations < MIXED;
-        if !is_mixed && self.age < REFRESH && !self.is_cut_short() {
+        let is_mixed = self.iterations < PREDICTED_FORCE_ITERATIONS;
+        if !is_mixed && self.age < REFRESH_INTERVAL && !self.is_cut_short() {
             return false;
         }
         let to = if is_start { before } else { x };
         let mixed = is_mixed.then_some([before, to]);
         stage.lumped_hessian_into(&self.assembly, x, mixed, &mut self.matrix);
         if let Some(contact) = stage.contact {
-            let stiffest = STIFFEST * self.largest_diagonal();
+            let stiffest = MAX_CONTACT_STIFFNESS_RATIO * self.largest_diagonal();
             self.add_contact(contact, x);
             self.for_cycle.clone_from(&self.contact_pairs);
             for row in &mut self.for_cycle {
@@ -169,7 +169,7 @@ impl QuasiNewton {
 
     /// Whether contact cuts the steps short, so that directions of L-BFGS lead nowhere.
     fn is_cut_short(&self) -> bool {
-        self.cut >= MOST_CUT
+        self.cut >= MAX_SHORTENED_STEPS
     }
 
     /// Writes the direction (m) for a gradient (N) to `out`. Returns the slope along it (J), by how much the square of
@@ -201,27 +201,27 @@ impl QuasiNewton {
         (self.slope, 0.0, 1)
     }
 
-    /// Takes notice of a step that contact has cut to `part` of its direction. A volume that is kept cuts steps by
-    /// itself, and a better direction does not help there.
+    /// Takes notice of a step that contact, the trust radius or the line search has shortened to `part` of its
+    /// direction. A volume that is kept cuts steps by itself, and a better direction does not help there.
     pub(super) fn cut(&mut self, part: Real) {
-        self.cut += u32::from(part < SHORT && self.global.is_empty());
+        self.cut += u32::from(part < SHORTENED_BELOW && self.global.is_empty());
     }
 
-    /// Remembers a step of `length` along the last direction (m) from one gradient (N) to another.
-    pub(super) fn remember(
+    /// Keeps the pair (s, y) of a step of `length` along the last direction (m) from one gradient (N) to another.
+    pub(super) fn accumulate(
         &mut self,
         length: Real,
         direction: &[Vec3],
         from: &[Vec3],
         to: &[Vec3],
     ) {
-        if self.iterations >= MIXED && !self.is_cut_short() {
+        if self.iterations >= PREDICTED_FORCE_ITERATIONS && !self.is_cut_short() {
             self.history.push(length, self.slope, direction, from, to);
         }
     }
 
     /// Takes notice of a step that is no multiple of its direction: drops the pairs, whose secants it has left.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn drop_pairs(&mut self) {
         self.history.clear();
         self.cut += u32::from(self.global.is_empty());
     }
@@ -240,7 +240,7 @@ impl QuasiNewton {
     ) {
         self.rows.clear();
         contact.linearize(&point.positions, &mut self.rows);
-        if self.rows.iter().all(is_internal) {
+        if self.rows.iter().all(ContactRow::is_internal) {
             self.unconstrained.restore_momentum_together(stage, point);
         }
     }
@@ -250,12 +250,7 @@ impl QuasiNewton {
     pub(super) fn restart(&mut self) -> bool {
         let changes = self.is_cut_short() || !self.history.is_empty() || self.age > 1;
         self.history.clear();
-        (self.age, self.cut) = (REFRESH, 0);
+        (self.age, self.cut) = (REFRESH_INTERVAL, 0);
         changes
     }
-}
-
-/// Whether a contact is between vertices: no force from outside.
-fn is_internal(row: &ContactRow) -> bool {
-    row.weights.iter().sum::<Real>().abs() < 0.5
 }

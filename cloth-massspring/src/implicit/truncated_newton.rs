@@ -14,9 +14,9 @@ use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::vectors::{add, dot};
 
 /// Residual, in the norm of the cycle and relative to the first, at which conjugate gradients end.
-const RELATIVE_TOLERANCE: Real = 0.1;
+const CG_TOLERANCE: Real = 0.1;
 /// Most iterations of conjugate gradients.
-const MAX_ITERATIONS: u32 = 30;
+const MAX_CG_ITERATIONS: u32 = 30;
 
 /// `H p`, positive definite: a matrix and what is kept beside it.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +77,7 @@ impl TruncatedNewton {
         out.fill(Vec3::zeros());
         let first = dot(&self.residual, &self.solved);
         let mut size = first;
-        for iteration in 1..=MAX_ITERATIONS {
+        for iteration in 1..=MAX_CG_ITERATIONS {
             operator.apply(&self.direction, &mut self.product);
             let length = size / dot(&self.direction, &self.product);
             if !(length.is_finite() && length > 0.0) {
@@ -88,7 +88,7 @@ impl TruncatedNewton {
             add(&mut self.residual, -length, &self.product);
             inverse(&self.residual, &mut self.solved);
             let next = dot(&self.residual, &self.solved);
-            if next <= RELATIVE_TOLERANCE * RELATIVE_TOLERANCE * first {
+            if next <= CG_TOLERANCE * CG_TOLERANCE * first {
                 return (next, iteration);
             }
             let ratio = next / size;
@@ -97,6 +97,6 @@ impl TruncatedNewton {
                 *p = z + *p * ratio;
             }
         }
-        (size, MAX_ITERATIONS)
+        (size, MAX_CG_ITERATIONS)
     }
 }

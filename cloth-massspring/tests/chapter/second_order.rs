@@ -200,6 +200,44 @@ fn a_swing_loses_least_with_midpoint_and_most_with_implicit_euler() {
     );
 }
 
+/// Two seconds of the hanging sheet.
+#[test]
+fn truncated_newton_keeps_the_swing_with_fifteen_linear_iterations_a_step() {
+    let (mesh, model) = hang(16);
+    let swing = |config: ImplicitConfig| {
+        let builder = ImplicitEuler::builder(&model.particles).elements(model.clone().families());
+        let mut solver = builder.config(config).build().unwrap();
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        let (mut kinetic, mut most) = (0.0, 0);
+        for _ in 0..120 {
+            let input = StepInput::new(1.0 / 60.0).gravity(DOWN);
+            let report = solver.step(&mut state, input).unwrap();
+            most = most.max(report.linear_iterations);
+            kinetic += kinetic_energy(&model.particles, &state.velocities);
+        }
+        (kinetic, most)
+    };
+    let (right, _) = swing(ImplicitConfig {
+        tolerance: 1e-5,
+        ..ImplicitConfig::default()
+    });
+    let (truncated, most) = swing(ImplicitConfig::truncated());
+    let iterations = ImplicitConfig {
+        max_iterations: 5,
+        ..ImplicitConfig::default()
+    };
+    let (quasi_newton, _) = swing(iterations);
+    assert_eq!(most, 15);
+    assert!(
+        (truncated / right - 1.0).abs() < 0.005,
+        "{truncated} {right} J"
+    );
+    assert!(
+        (quasi_newton / right - 1.0).abs() > 0.02,
+        "{quasi_newton} {right} J"
+    );
+}
+
 #[test]
 fn a_linearised_step_costs_one_solve_and_is_exact_for_linear_forces() {
     let (particles, springs) = oscillator(OMEGA);

@@ -53,12 +53,9 @@ impl PbdBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`] for a setting outside its range; [`BuildError::NoSuchView`] for elements that are no
-    /// constraints; [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that
-    /// the particles do not have, or one twice.
-    ///
-    /// # Panics
-    /// If an element of a coloured sweep names a vertex twice.
+    /// [`BuildError::OutOfRange`] for a setting outside its range; [`BuildError::UnsupportedElements`] for elements
+    /// that are no constraints; [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a
+    /// vertex that the particles do not have, or one twice.
     pub fn build(self) -> Result<PbdSolver, BuildError> {
         let (motion, config) = (self.motion, self.config);
         check_counts(config.iterations, config.substeps)?;

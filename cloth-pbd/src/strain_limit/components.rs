@@ -1,6 +1,7 @@
 //! Connected components of the limits, and the rigid spin that restores their angular momentum.
 
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::topology::DisjointSets;
 
 /// The connected components of a cloth: no limit acts between them.
 #[derive(Debug, Default)]
@@ -14,24 +15,15 @@ pub(super) struct Components {
 impl Components {
     /// From pairs of connected vertices. Vertices in no pair are left out.
     pub(super) fn new(pairs: &[[u32; 2]], vertex_count: usize) -> Self {
-        // Each vertex points to a smaller one of its component, the smallest to itself.
-        let mut below: Vec<u32> = (0..vertex_count as u32).collect();
+        let mut sets = DisjointSets::new(vertex_count);
         let mut linked = vec![false; vertex_count];
-        let root = |below: &mut [u32], mut v: u32| {
-            while below[v as usize] != v {
-                below[v as usize] = below[below[v as usize] as usize];
-                v = below[v as usize];
-            }
-            v
-        };
         for &[a, b] in pairs {
-            let (a_root, b_root) = (root(&mut below, a), root(&mut below, b));
-            below[a_root.max(b_root) as usize] = a_root.min(b_root);
+            sets.join(a, b);
             (linked[a as usize], linked[b as usize]) = (true, true);
         }
         let mut members: Vec<(u32, u32)> = (0..vertex_count as u32)
             .filter(|&v| linked[v as usize])
-            .map(|v| (root(&mut below, v), v))
+            .map(|v| (sets.root(v), v))
             .collect();
         members.sort_unstable();
         let mut starts = vec![0];

@@ -172,6 +172,30 @@ fn elements_and_settings_that_do_not_fit_are_named() {
         error,
         Err(BuildError::NoSuchVertex { vertex: 7, .. })
     ));
+    let loops = [
+        spring(1.0, 1.0)[0],
+        Spring {
+            vertices: [1, 1],
+            ..stray
+        },
+    ];
+    for sweep in [
+        Sweep::Colored,
+        Sweep::Sequential,
+        Sweep::Jacobi,
+        Sweep::PlainJacobi,
+    ] {
+        let config = PbdConfig {
+            sweep,
+            ..PbdConfig::default()
+        };
+        let builder = PbdSolver::builder(&particles).energy(loops.to_vec());
+        let twice = BuildError::RepeatedVertex {
+            element: 1,
+            vertex: 1,
+        };
+        assert_eq!(builder.config(config).build().unwrap_err(), twice);
+    }
     let chebyshev = |radius, delay| Acceleration {
         chebyshev: Some(Chebyshev { radius, delay }),
         ..Acceleration::default()

@@ -256,6 +256,28 @@ fn what_cannot_be_done_is_reported() {
     assert!(state == start);
 }
 
+/// A sheet that hangs by its upper edge, drawn 10 % too long, and may be stretched by 5 %: passes grow with the square
+/// of the vertices a side.
+#[test]
+fn passes_to_a_limit_by_vertices_a_side() {
+    let passes = |n: usize| {
+        let (mesh, _) = sheet::held_sheet(n, 1.0);
+        let mut particles = Particles::new(vec![1.0; n * n]).unwrap();
+        (n * (n - 1)..n * n).for_each(|v| particles.prescribe(v).unwrap());
+        let builder = StrainLimiter::builder(&particles).max_passes(10_000);
+        let builder = builder.springs(&springs(&mesh), StretchRange::stretch(0.05));
+        let mut limiter = builder.tolerance(1e-3).build().unwrap();
+        let top = mesh.positions()[n * n - 1].y;
+        let drawn = |x: &Vec3| Vec3::new(x.x, top + 1.1 * (x.y - top), x.z);
+        let mut state = State::at_rest(mesh.positions().iter().map(drawn).collect());
+        let report = limiter.apply(&mut state, 0.01).unwrap();
+        assert_eq!(report.outcome, Outcome::Converged);
+        assert!(Strain::of(&springs(&mesh), &state.positions).max < 0.051_001);
+        report.passes
+    };
+    assert_eq!([9, 17, 33, 65].map(passes), [112, 438, 1718, 6752]);
+}
+
 #[test]
 fn collapsed_elements_open_again_and_springs_without_length_are_left_out() {
     let mesh = grid(4, 4, 1.0, 1.0, Diagonals::Alternating).unwrap();

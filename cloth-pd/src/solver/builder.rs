@@ -101,10 +101,11 @@ impl PdBuilder {
     /// The solver: assembles the matrix and analyses it. It is factorised in the first step, which tells the step size.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchView`] for elements that are no squared distances to sets; [`BuildError::OutOfRange`], also
-    /// for a weight that is negative or not finite, and for a coarse grid of no or too many cells or of positions that
-    /// are not one finite position per vertex; [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an
-    /// element names a vertex that the particles do not have, or one twice; [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::UnsupportedElements`] for elements that are no squared distances to sets;
+    /// [`BuildError::OutOfRange`], also for a weight that is negative or not finite, and for a coarse grid of no or too
+    /// many cells or of positions that are not one finite position per vertex; [`BuildError::NoSuchVertex`] or
+    /// [`BuildError::RepeatedVertex`] if an element names a vertex that the particles do not have, or one twice;
+    /// [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<PdSolver, BuildError> {
         self.config.check()?;
         let families = self.families?;

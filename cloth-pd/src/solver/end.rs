@@ -1,15 +1,15 @@
 //! When a step is near enough to its end.
 
-use super::{Method, PdSolver, SPAN};
+use super::{DECREASE_WINDOW, Method, PdSolver};
 use crate::contact::Contact;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::StepReport;
 
 /// What is left of the forces in a step with contact that is done, over those that it takes to end where it does. As H
 /// is at least M/Δt², the velocities are then as near to those of the minimum, in the norm of M.
-const BALANCED: Real = 1e-3;
+const BALANCE_TOLERANCE: Real = 1e-3;
 /// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
-const IMPERCEPTIBLE: Real = 1e-6;
+const NEGLIGIBLE_SPEED: Real = 1e-6;
 
 impl PdSolver {
     /// Whether the tolerance is met at the point.
@@ -39,7 +39,7 @@ impl PdSolver {
     /// Whether the cloth flies freely: no force but gravity and the load is felt at the point.
     pub(super) fn flies(&self) -> bool {
         let (objective, point) = (&self.objective, &self.point);
-        let imperceptible = IMPERCEPTIBLE * objective.speed(point) / objective.dt();
+        let imperceptible = NEGLIGIBLE_SPEED * objective.speed(point) / objective.dt();
         self.config.tolerance.is_none()
             && objective.inertial_norm(point) <= imperceptible
             && objective.norm(&point.gradient) <= imperceptible
@@ -53,20 +53,20 @@ impl PdSolver {
         }
         let objective = &self.objective;
         let forces = objective.inertial_norm(&self.point);
-        objective.norm(&self.point.gradient) <= BALANCED * forces
+        objective.norm(&self.point.gradient) <= BALANCE_TOLERANCE * forces
     }
 
     /// Whether the end of a step is near enough, with `part` times the tolerance: by the Newton decrement of the last
-    /// direction, and by `gain` (J), which is by how much `G` has fallen in [`SPAN`] iterations. Pairs that do not fit
-    /// the Hessian can make the first too small.
+    /// direction, and by `gain` (J), which is by how much `G` has fallen in [`DECREASE_WINDOW`] iterations. Pairs that
+    /// do not fit the Hessian can make the first too small.
     pub(super) fn is_near(&self, part: Real, gain: Real) -> bool {
         let Method::QuasiNewton(method) = &self.method else {
             return false;
         };
         let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
-        let velocity = forced.max(IMPERCEPTIBLE * self.objective.speed(&self.point));
+        let velocity = forced.max(NEGLIGIBLE_SPEED * self.objective.speed(&self.point));
         let enough = (part * self.config.velocity_tolerance * velocity).powi(2);
-        method.decrement() <= enough && gain <= SPAN as Real * enough
+        method.decrement() <= enough && gain <= DECREASE_WINDOW as Real * enough
     }
 
     /// Whether the last direction was one of Newton's method.

@@ -6,6 +6,7 @@ use crate::cloth::{
 };
 use cloth_core::energy::{Attachment, Spring};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::predict;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
 use cloth_pd::{PdConfig, PdSolver, StartGuess};
@@ -21,6 +22,67 @@ fn a_converged_step_is_a_stationary_point_of_the_incremental_potential() {
     assert_eq!(report.outcome, Outcome::Converged);
     let (_, gradient) = potential(&model, &before, &falling(), &state.positions);
     assert!(gradient <= 1.1e-11, "{gradient:e}");
+}
+
+/// The default ends once the change of velocity is right to its tolerance, by its own estimate; here as it is, beside
+/// the step to the last digit.
+#[test]
+fn the_default_has_converged_where_its_estimate_meets_the_tolerance() {
+    let (model, start) = hanging(16, 1e4);
+    let mut state = start.clone();
+    let step = |state: &State, config: PdConfig| {
+        let mut end = state.clone();
+        let mut solver = coarse_solver(&model, &start.positions, config);
+        let report = solver.step(&mut end, falling()).unwrap();
+        (end.positions, report.outcome, report.unfinished)
+    };
+    for _ in 0..30 {
+        solver(&model, PdConfig::default())
+            .step(&mut state, falling())
+            .unwrap();
+    }
+    let mass = model.particles.mass();
+    let apart = |a: &[Vec3], b: &[Vec3]| -> Real {
+        let squares = a
+            .iter()
+            .zip(b)
+            .zip(mass)
+            .map(|((a, b), m)| m * (a - b).norm_squared());
+        squares.sum::<Real>().sqrt()
+    };
+    let mut predicted = state.positions.clone();
+    predict(&model.particles, &state, &falling(), &mut predicted);
+    let sharp = PdConfig {
+        tolerance: Some(1e-11),
+        most_iterations: 20_000,
+        ..PdConfig::default()
+    };
+    let (minimum, outcome, _) = step(&state, sharp);
+    assert_eq!(outcome, Outcome::Converged);
+    for velocity_tolerance in [0.1, 1e-2, 1e-3, 1e-4] {
+        let asked = PdConfig {
+            velocity_tolerance,
+            most_iterations: 3000,
+            ..PdConfig::default()
+        };
+        let (end, outcome, unfinished) = step(&state, asked);
+        assert_eq!((outcome, unfinished), (Outcome::Converged, 0));
+        let error = apart(&end, &minimum) / apart(&minimum, &predicted);
+        assert!(
+            error < 10.0 * velocity_tolerance,
+            "{velocity_tolerance:e}: {error:e}"
+        );
+    }
+    // Where it has to end before, it says so.
+    let short = PdConfig {
+        most_iterations: 11,
+        velocity_tolerance: 1e-3,
+        ..PdConfig::default()
+    };
+    let (_, outcome, unfinished) = step(&state, short);
+    assert_eq!((outcome, unfinished), (Outcome::BudgetSpent, 1));
+    let (_, outcome, unfinished) = step(&state, iterations(10));
+    assert_eq!((outcome, unfinished), (Outcome::BudgetSpent, 0));
 }
 
 #[test]
@@ -211,7 +273,7 @@ fn quadratic_energies_are_solved_by_one_iteration() {
     build(iterations(1)).step(&mut state, falling()).unwrap();
     let energies = model.energies().unwrap().with(ties.clone()).unwrap();
     let mut predicted = before.positions.clone();
-    cloth_core::measure::predict(&model.particles, &before, &falling(), &mut predicted);
+    predict(&model.particles, &before, &falling(), &mut predicted);
     let potential = cloth_core::measure::IncrementalPotential {
         particles: &model.particles,
         energies: &energies,

@@ -113,7 +113,7 @@ impl XpbdBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
+    /// [`BuildError::OutOfRange`]; [`BuildError::UnsupportedElements`] for elements that are no constraints;
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
     /// do not have, or one twice.
     pub fn build(self) -> Result<XpbdSolver, BuildError> {

@@ -36,12 +36,9 @@ impl<U: ConstraintUpdate> FamilyPlans<U> {
     /// The families, on `vertex_count` vertices.
     ///
     /// # Errors
-    /// [`BuildError::OutOfRange`] for an acceleration out of range; [`BuildError::NoSuchView`] for elements that are no
-    /// constraints; [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that
-    /// does not exist, or one twice.
-    ///
-    /// # Panics
-    /// If an element of a coloured sweep names a vertex twice.
+    /// [`BuildError::OutOfRange`] for an acceleration out of range; [`BuildError::UnsupportedElements`] for elements
+    /// that are no constraints; [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a
+    /// vertex that does not exist, or one twice.
     pub fn build(
         self,
         vertex_count: usize,

@@ -312,9 +312,6 @@ impl<U: ConstraintUpdate> Families<U> {
     /// # Errors
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
     /// or one twice.
-    ///
-    /// # Panics
-    /// If an element of a coloured sweep names a vertex twice.
     pub fn add<const N: usize, E: Constraint<N>>(
         &mut self,
         elements: &[E],

@@ -4,8 +4,8 @@
 //! the true curvature is small or negative, and whole steps there are many and short. The slope at the end of one
 //! tells. If a large part of it is left, the secant through both slopes says where it would be zero, and one more step
 //! along the same direction goes there (J. J. Moré, D. J. Thuente, "Line search algorithms with guaranteed sufficient
-//! decrease", ACM TOMS 20, 1994, <https://doi.org/10.1145/192115.192132>): it costs a contact query and an evaluation, and no
-//! solve.
+//! decrease", ACM TOMS 20, 1994, <https://doi.org/10.1145/192115.192132>): it costs a contact query and an evaluation,
+//! and no solve.
 //!
 //! *Tried in vain*, on six scenes with contact: other numbers than those below (0.3 and 0.7, 10, 0.1), which make no
 //! difference beyond chance; two or more such steps; and pairs of L-BFGS around the truncated Newton direction, with
@@ -18,11 +18,11 @@ use cloth_core::method::vectors::dot;
 use cloth_core::step::StepError;
 
 /// Part of the slope that has to be left.
-const LEFT: Real = 0.5;
+const MIN_SLOPE_RATIO: Real = 0.5;
 /// How many times the direction a step may go beyond it.
-const FARTHEST: Real = 4.0;
+const MAX_EXTRAPOLATION: Real = 4.0;
 /// A step is not taken if contact leaves less than this part of it.
-const CUT: Real = 0.2;
+const MIN_FREE_FRACTION: Real = 0.2;
 
 impl Minimizer {
     /// Takes the next point, which is at the end of the direction, farther along it in contact, if `G` falls there.
@@ -37,20 +37,20 @@ impl Minimizer {
             return Ok(1.0);
         };
         let left = dot(&self.next.gradient, &self.direction);
-        if left > LEFT * slope {
+        if left > MIN_SLOPE_RATIO * slope {
             return Ok(1.0);
         }
         // Zero of the secant; where the slope has grown there is none ahead.
         let part = match left > slope {
-            true => (left / (slope - left)).min(FARTHEST),
-            false => FARTHEST,
+            true => (left / (slope - left)).min(MAX_EXTRAPOLATION),
+            false => MAX_EXTRAPOLATION,
         };
         let count = self.next.positions.len();
         let farther = self.farther.get_or_insert_with(|| Point::new(count));
         line_search::place(&self.next, &self.direction, part, farther);
         let limited = source.limit(&self.next.positions, &farther.positions);
         let safe = limited.map_err(|reason| task.refused(reason))?;
-        if safe < CUT {
+        if safe < MIN_FREE_FRACTION {
             return Ok(1.0);
         }
         let stage = with(task, contact);

@@ -6,9 +6,9 @@ use super::*;
 /// linearised one has (the ratio of trust-region methods: Nocedal and Wright, *Numerical Optimization*, 2006, (4.4)).
 /// With less, a sheet that falls on a ball gains energy (`cloth-bench/doc/results.md`); with more it is linearised more
 /// often for the same fall.
-const KEPT: Real = 0.75;
+const MIN_REDUCTION_RATIO: Real = 0.75;
 /// Linearisations in a step, at most.
-const MOST_LINEARIZATIONS: u32 = 8;
+const MAX_LINEARIZATIONS: u32 = 8;
 
 impl Minimizer {
     /// Solves the linearised step as if nothing could touch. Returns whether that is the step: contact presses neither
@@ -47,8 +47,8 @@ impl Minimizer {
     }
 
     /// Minimises what the linearised cloth and contact make together; linearised anew where that ends, until the
-    /// function of the stage itself has gone down by [`KEPT`] of what the linearised one promised, and is not above
-    /// what it is where the step begins: what contact has truncated starts with much strain.
+    /// function of the stage itself has gone down by [`MIN_REDUCTION_RATIO`] of what the linearised one promised, and
+    /// is not above what it is where the step begins: what contact has truncated starts with much strain.
     pub(super) fn minimize_linearized(
         &mut self,
         task: &Task<'_>,
@@ -60,12 +60,12 @@ impl Minimizer {
         // As `begin_contact` has left it: where the step begins.
         let begun = stage.gradient_into(&self.next.positions, &mut self.next.gradient);
         let mut before = self.value_here(&stage);
-        for _ in 0..MOST_LINEARIZATIONS {
+        for _ in 0..MAX_LINEARIZATIONS {
             let promised = self.minimize_linear_cloth(task, observer, contact, report)?;
             let after = self.value_here(&with(task, contact));
             let is_little =
                 -2.0 * promised <= self.close_enough(task, task.config.tolerance).powi(2);
-            let keeps = after - before <= KEPT * promised && after <= begun;
+            let keeps = after - before <= MIN_REDUCTION_RATIO * promised && after <= begun;
             if is_little || keeps {
                 return Ok(());
             }
