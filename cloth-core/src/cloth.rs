@@ -29,6 +29,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A [`Solid`] does the same for tetrahedra, on the vertices of the same mesh: [`ClothModel::of_pieces`].
+//!
 //! # Where the numbers come from
 //!
 //! A solid sheet of thickness t and Young's modulus E has `Y = E t` (N/m) and `D = E t³/(12 (1 − ν²))` (N·m); woven
@@ -58,6 +60,7 @@ mod elements;
 mod midpoints;
 mod pieces;
 mod relief;
+mod solid;
 
 pub use carriers::{BendingCarrier, Discretization, MembraneCarrier};
 pub use detail::CoarseMembrane;
@@ -65,6 +68,7 @@ pub use elements::{ConstraintVisitor, Elements, EnergyVisitor, ProjectiveVisitor
 pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
 pub use relief::{SpringEdges, SpringLaw};
+pub use solid::{Solid, SolidPiece};
 
 use crate::energy::{CurvatureHinge, Seam, SoftPin, Spring, Stitch};
 use crate::error::{OutOfRange, not_negative};

@@ -60,7 +60,7 @@
 //! | `E = K (1 − cos(θ − θ₀))` as a cubic polynomial | [`energy::CubicShell`] |
 //! | `E = ½ K ‖q m‖²`, m the midpoints of edges | [`energy::MidpointHinge`] |
 //! | `E = ½ A G:H:G`, Green strain `G = ½(FᵀF − I)` | [`energy::StvkTriangle`] |
-//! | `E = ½ A k ‖F − R‖²` | [`energy::ArapTriangle`] |
+//! | `E = ½ A k ‖F − R‖²`, `E = μ V ‖F − R‖²` | [`energy::ArapTriangle`], [`energy::ArapTetrahedron`] |
 //! | `E = ½ k (l − clamp(l))²`, slack in a range of lengths | [`energy::StrainLimitSpring`] |
 //! | `E = ½ A k Σ (σ − clamp(σ))²`, slack in a range of stretches | [`energy::StrainLimitTriangle`] |
 //! | `E = ½ k (A − A₀)²`, `E = ½ k (V − V₀)²` | [`energy::AreaTriangle`], [`energy::VolumeTetrahedron`] |

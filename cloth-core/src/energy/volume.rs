@@ -1,5 +1,6 @@
 //! A tetrahedron that wants to keep its volume.
 
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 
@@ -40,9 +41,15 @@ fn signed_volume(x: &[Vec3; 4]) -> Real {
 }
 
 impl Element<4> for VolumeTetrahedron {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 4] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Volumes(all)
     }
 }
 
