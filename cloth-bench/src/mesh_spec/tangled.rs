@@ -80,7 +80,8 @@ pub(crate) fn dress(around: usize, along: usize) -> Result<TriMesh, MeshError> {
             let angle = x.y.atan2(x.x);
             let radius = 0.15 + 0.2 * (1.0 - x.z / LENGTH).powi(2);
             let spot = |k: u32| {
-                let along = (Real::from(k) + 0.5) / Real::from(SPOTS);
+                // The ends, where it may be held, stay clear.
+                let along = 0.04 + 0.92 * Real::from(k) / Real::from(SPOTS);
                 let turned = (angle - 2.4 * Real::from(k)).rem_euclid(std::f64::consts::TAU);
                 let aside = turned.min(std::f64::consts::TAU - turned) * radius;
                 let squared = aside.powi(2) + (x.z - along * LENGTH).powi(2);

@@ -248,6 +248,28 @@ fn a_solid_from_a_file_is_the_one_of_its_generator() {
     }
 }
 
+/// A ball joint carries one solid below another: its links keep their length, and what hangs there does not fall.
+#[test]
+fn a_joint_carries_a_solid_below_another_one() {
+    let block = "[[mesh]]\ngenerator = \"block:2x2x2\"\nscale = 0.1\n";
+    let text = format!(
+        "dt = 0.01\n{block}[mesh.solid]\n{block}translate = [0, 0, -0.11]\n[mesh.solid]\n\
+         [[link]]\nmeshes = [0, 1]\nat = [0.05, 0.05, -0.01]\n[[pins]]\nbox = [[-1, -1, 0.09], [1, 1, 1]]\n"
+    );
+    let scene = scene("jointed", &text);
+    let links: Vec<_> = scene.model.all_springs().copied().collect();
+    assert_eq!(links.len(), 3);
+    let method = Method::find("xpbd").unwrap();
+    let (_, state) = simulate(&scene, method, &Settings::default(), scene.dt, 60).unwrap();
+    for link in links {
+        let [a, b] = link.vertices.map(|v| state.positions[v as usize]);
+        let error = ((a - b).norm() / link.rest_length - 1.0).abs();
+        assert!(error < 1e-3, "{error:e}");
+    }
+    let lowest = state.positions.iter().map(|x| x.z).fold(0.0, f64::min);
+    assert!((-0.125..-0.1).contains(&lowest), "{lowest}");
+}
+
 #[test]
 fn what_is_no_solid_is_refused_with_its_line() {
     let block = "[[mesh]]\ngenerator = \"block:2x2x2\"\n";
