@@ -142,11 +142,12 @@ fn lining_turned_through_its_sleeve_goes_back_inside() {
     }
 }
 
-/// It goes up to 6 mm through the dress, in many places.
+/// It goes up to 6 mm through the dress, in many places; each of the two goes half of the way.
 #[test]
 fn lining_pushed_through_its_dress_in_spots_goes_back_inside() {
     let dress = undone(&garments::dress(90, 50).unwrap());
-    assert!(dress.farthest < 6e-3 + THICKNESS && dress.distance > 0.95 * THICKNESS);
+    let needed = 6e-3 + THICKNESS;
+    assert!(dress.farthest < 0.6 * needed && dress.distance > 0.95 * THICKNESS);
 }
 
 /// It goes 6 mm through the sheet.

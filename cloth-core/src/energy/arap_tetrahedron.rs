@@ -77,7 +77,7 @@ struct Singular {
 }
 
 impl Singular {
-    /// By rotations of pairs of columns until all are at right angles, the longer ones first (Hestenes, Jacobi).
+    /// By rotations of pairs of columns until all are at right angles (Hestenes).
     fn of(map: &Mat3) -> Self {
         let mut columns: [Vec3; 3] = [0, 1, 2].map(|k| map.column(k).into());
         let mut right = [Vec3::x(), Vec3::y(), Vec3::z()];
@@ -86,22 +86,12 @@ impl Singular {
             for [p, q] in PAIRS {
                 let (long, short) = (columns[p].norm_squared(), columns[q].norm_squared());
                 let product = columns[p].dot(&columns[q]);
-                let is_oblique = product.abs() > ORTHOGONAL * (long * short).sqrt();
-                if !is_oblique && long >= short {
-                    continue;
-                }
-                is_done = false;
-                // The angle θ of the longer one with cot 2θ = z; of a wrong order, a quarter turn more.
-                let z = 0.5 * (long - short) / product;
-                let tangent = z.signum() / (z.abs() + (1.0 + z * z).sqrt());
-                let tangent = if is_oblique { tangent } else { 0.0 };
-                let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
-                let [c, s] = match long + tangent * product < short - tangent * product {
-                    false => [cosine, cosine * tangent],
-                    true => [-cosine * tangent, cosine],
-                };
-                for pair in [&mut columns, &mut right] {
-                    (pair[p], pair[q]) = (pair[p] * c + pair[q] * s, pair[q] * c - pair[p] * s);
+                if product.abs() > ORTHOGONAL * (long * short).sqrt() || short > long {
+                    let (s, c) = (0.5 * (2.0 * product).atan2(long - short)).sin_cos();
+                    for pair in [&mut columns, &mut right] {
+                        (pair[p], pair[q]) = (pair[p] * c + pair[q] * s, pair[q] * c - pair[p] * s);
+                    }
+                    is_done = false;
                 }
             }
             if is_done {

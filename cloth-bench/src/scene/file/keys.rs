@@ -28,7 +28,8 @@ crate::settings! {
     }
     /// Of a mesh that is read or generated.
     pub(super) struct Source {
-        file: Option<String> = "none", "an OBJ or PLY file in m, its path relative to the scene file; of a solid, a .msh file of Gmsh";
+        file: Option<String> = "none",
+            "an OBJ or PLY file in m, its path relative to the scene file; of a solid, a .msh file of Gmsh";
         generator: Option<String> = "none",
             "a generated mesh such as \"grid:33x33:alternating\" (see meshes); give this or a file";
         scale: Option<Factors> = 1 in Above(0.0), "factor, or one for each axis such as [1, 0.25, 1]; first of all";
