@@ -8,11 +8,11 @@ use crate::settings::{Choice, Value};
 use cloth_core::error::within;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{self, Diagonals};
-use cloth_core::mesh::{MeshError, TriMesh, io};
+use cloth_core::mesh::{MeshError, TetMesh, TriMesh, io};
 use std::path::Path;
 
 /// The generators and how they are written, for `list`.
-pub const GENERATORS: [(&str, &str); 10] = [
+pub const GENERATORS: [(&str, &str); 12] = [
     (
         "grid:NxM:PATTERN",
         "N × M vertices, 1 m wide; PATTERN is one-way, alternating or crossed",
@@ -48,7 +48,15 @@ pub const GENERATORS: [(&str, &str); 10] = [
     ),
     (
         "tangled:GARMENT",
-        "one that passes through itself: layers, sleeve, lining, pocket, seams or rolled",
+        "one that passes through itself: layers, sleeve, lining, pocket, seams, rolled, or dress:NxM of any size",
+    ),
+    (
+        "block:NxMxK",
+        "a solid of N × M × K cubes of tetrahedra, 1 m wide, in scene files with [mesh.solid]",
+    ),
+    (
+        "ball:N",
+        "a solid of N shells of tetrahedra, radius 0.5 m, in scene files with [mesh.solid]",
     ),
 ];
 
@@ -76,6 +84,34 @@ pub fn is_file(spec: &str) -> bool {
     }
 }
 
+/// Whether `spec` is of a generator of solids.
+pub fn is_solid(spec: &str) -> bool {
+    matches!(spec.split(':').next(), Some("block" | "ball"))
+}
+
+/// Builds the solid that `spec` names.
+///
+/// # Errors
+/// [`BenchError::Usage`] that names what is wrong with the name.
+pub fn solid(spec: &str) -> Result<TetMesh, BenchError> {
+    let (kind, size) = spec.split_once(':').unwrap_or((spec, ""));
+    let numbers: Option<Vec<usize>> = size.split('x').map(|n| n.parse().ok()).collect();
+    let solid = match (kind, numbers.as_deref()) {
+        ("block", Some(&[n, m, k])) => {
+            let cells = [n, m, k];
+            let edge = 1.0 / n.max(1) as f64;
+            let size = Vec3::from(cells.map(|count| count.max(1) as f64 * edge));
+            generate::block(cells, size)
+        }
+        ("ball", Some(&[n])) => generate::ball(n, 0.5),
+        _ => {
+            let message = format!("`{spec}` is no solid: those are block:NxMxK and ball:N");
+            return Err(BenchError::Usage(message));
+        }
+    };
+    solid.map_err(|error| BenchError::Usage(format!("`{spec}`: {error}")))
+}
+
 /// Builds or reads the mesh that `spec` names.
 ///
 /// # Errors
@@ -86,6 +122,11 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
     }
     if spec.contains('+') {
         return side_by_side(spec);
+    }
+    if is_solid(spec) {
+        return Err(BenchError::Usage(format!(
+            "`{spec}` is a solid, for a [[mesh]] with [mesh.solid] in a scene file"
+        )));
     }
     let mut parts = spec.split(':');
     let kind = parts.next().unwrap_or_default();
@@ -146,11 +187,12 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
             generate::torus(n, m, 0.5, 0.2)
         }
         "sphere" => generate::sphere(one()?, 0.5),
-        "tangled" => {
-            let [name] = arguments[..] else {
-                return Err(wrong());
-            };
-            match name {
+        "tangled" => match arguments[..] {
+            ["dress", size] => {
+                let [n, m] = two(size)?;
+                tangled::dress(n, m)
+            }
+            [name] => match name {
                 "layers" => tangled::layers(0.01, 2e-3),
                 "sleeve" => tangled::sleeve(0.03),
                 "lining" => tangled::lining(0.2),
@@ -158,8 +200,9 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
                 "seams" => tangled::seams(),
                 "rolled" => tangled::rolled(),
                 _ => return Err(wrong()),
-            }
-        }
+            },
+            _ => return Err(wrong()),
+        },
         "holes" => match arguments[..] {
             [cells, holes] => with_holes(
                 cells.parse().map_err(|_| wrong())?,
@@ -209,7 +252,7 @@ fn side_by_side(spec: &str) -> Result<TriMesh, BenchError> {
         let shift = Vec3::x() * (next - low);
         next += high - low + 0.1;
         let positions = mesh.positions().iter().map(|p| p + shift).collect();
-        TriMesh::new(positions, mesh.triangles().to_vec()).map_err(BenchError::usage)
+        mesh.moved(positions).map_err(BenchError::usage)
     });
     generate::join(&pieces.collect::<Result<Vec<_>, _>>()?).map_err(BenchError::usage)
 }

@@ -340,6 +340,7 @@ impl Method {
             BuildError::UnsupportedElements { elements, .. } => {
                 let instead = match elements {
                     "StVK triangles" => "; membrane=arap has one",
+                    "tetrahedra with a volume" => "; a solid with poisson = 0 has none of them",
                     "dihedral hinges" | "cubic-shell hinges" => "; bending=quadratic has one",
                     _ => "",
                 };

@@ -138,7 +138,7 @@ impl<'a> Course<'a> {
             let is_known = matches!(&change.kind, ChangeKind::Hold { vertices, .. }
                 if vertices.iter().all(|&v| before_it.is_prescribed(v)));
             balance.change(&scene, &before, state)?;
-            if !is_known && !solver.takes(change) {
+            if !is_known && !solver.takes(change, &scene) {
                 solver.build(&scene, dt)?;
                 self.rebuilds += 1;
             }

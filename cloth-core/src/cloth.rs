@@ -29,6 +29,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A [`Solid`] does the same for tetrahedra, on the vertices of the same mesh: [`ClothModel::of_pieces`].
+//!
 //! # Where the numbers come from
 //!
 //! A solid sheet of thickness t and Young's modulus E has `Y = E t` (N/m) and `D = E t³/(12 (1 − ν²))` (N·m); woven
@@ -58,6 +60,7 @@ mod elements;
 mod locking_remedies;
 mod midpoints;
 mod pieces;
+mod solid;
 
 pub use coarse_membrane::CoarseMembrane;
 pub use discretization::{BendingElements, Discretization, MembraneElements};
@@ -65,6 +68,7 @@ pub use elements::{ConstraintVisitor, Elements, EnergyVisitor, ProjectiveVisitor
 pub use locking_remedies::{SpringEdges, SpringLaw};
 pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
+pub use solid::{Solid, SolidPiece};
 
 use crate::energy::{CurvatureHinge, Seam, SoftPin, Spring, Stitch};
 use crate::error::{OutOfRange, not_negative};

@@ -11,6 +11,7 @@
 //! | [`StvkTriangle`], modulus Y and ν | 3 | yes | 3 rows | – | J, from a modulus in N/m |
 //! | [`ArapTriangle`], modulus Y, ν = 0 | 3 | yes | 2 rows | 2 vectors | J, from a modulus in N/m |
 //! | [`AreaTriangle`], area modulus | 3 | yes | 1 row | – | N/m³, from a modulus in N/m |
+//! | [`ArapTetrahedron`], shear modulus μ, ν = 0 | 4 | yes | 3 rows | 3 vectors | J, from a modulus in Pa |
 //! | [`VolumeTetrahedron`], bulk modulus | 4 | yes | 1 row | – | N/m⁵, from a modulus in Pa |
 //! | [`StrainLimitSpring`], slack in a range | 2 | yes | 1 row | 1 vector | N/m |
 //! | [`StrainLimitTriangle`], slack in a range | 3 | yes | 2 rows | 2 vectors | J, from a modulus in N/m |
@@ -51,6 +52,7 @@
 //! All lines were derived so, hinge by hinge, and measured in the bench (laws `bending-factor`, `elastica`,
 //! `lateral-buckling`; study `bending`).
 
+mod arap_tetrahedron;
 mod arap_triangle;
 mod area;
 mod attachment;
@@ -69,6 +71,7 @@ mod stvk_triangle;
 mod triangle_map;
 mod volume;
 
+pub use arap_tetrahedron::ArapTetrahedron;
 pub use arap_triangle::ArapTriangle;
 pub use area::AreaTriangle;
 pub use attachment::Attachment;

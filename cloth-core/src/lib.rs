@@ -60,9 +60,10 @@
 //! | `E = K (1 − cos(θ − θ₀))` as a cubic polynomial | [`energy::CubicShell`] |
 //! | `E = ½ K ‖q m‖²`, m the midpoints of edges | [`energy::MidpointHinge`] |
 //! | `E = ½ A G:H:G`, Green strain `G = ½(FᵀF − I)` | [`energy::StvkTriangle`] |
-//! | `E = ½ A k ‖F − R‖²` | [`energy::ArapTriangle`] |
+//! | `E = ½ A k ‖F − R‖²`, `E = μ V ‖F − R‖²` | [`energy::ArapTriangle`], [`energy::ArapTetrahedron`] |
 //! | `E = ½ k (l − clamp(l))²`, slack in a range of lengths | [`energy::StrainLimitSpring`] |
 //! | `E = ½ A k Σ (σ − clamp(σ))²`, slack in a range of stretches | [`energy::StrainLimitTriangle`] |
+//! | `μ ‖F − R‖² + ½ λ (J − 1)²` per volume of a solid | [`cloth::Solid`], on a [`mesh::TetMesh`] |
 //! | `E = ½ k (A − A₀)²`, `E = ½ k (V − V₀)²` | [`energy::AreaTriangle`], [`energy::VolumeTetrahedron`] |
 //! | `E = ½ k ‖x − p‖²`, p fixed or moving | [`energy::Attachment`], [`energy::SoftPin`] |
 //! | `E = ½ k (‖Σ qᵢ xᵢ‖ − L(t))²`, L falling to 0 | [`energy::Stitch`] |

@@ -6,17 +6,21 @@ use std::fmt;
 
 mod file_error;
 pub mod generate;
+pub mod gmsh;
 pub mod io;
 mod normals;
 pub mod obj;
 pub mod ply;
+mod tet_mesh;
 
 pub use normals::vertex_normals;
+pub use tet_mesh::TetMesh;
 
 /// Rest shape of the cloth: `V` rest positions (m) and `F` triangles, counter-clockwise seen from
 /// the front.
 ///
-/// A `TriMesh` that exists has passed the checks of [`TriMesh::new`], so no later code repeats them.
+/// A `TriMesh` that exists has passed the checks of [`TriMesh::new`], so no later code repeats them. Only in that of a
+/// [`TetMesh`], which is the surface of a solid, and where triangles are torn out, are vertices that are in no triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriMesh {
     positions: Vec<Vec3>,
@@ -32,18 +36,38 @@ impl TriMesh {
     /// on the same three vertices, or a vertex that no triangle uses.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         check(&positions, &triangles)?;
-        Ok(Self {
-            positions,
-            triangles,
-        })
+        match used(&triangles, positions.len()).iter().position(|u| !u) {
+            Some(vertex) => Err(MeshError::UnreferencedVertex { vertex }),
+            None => Ok(Self::unchecked(positions, triangles)),
+        }
     }
 
-    /// All vertices with some of the triangles, so that vertices may be in none: for elements of one piece only.
-    pub(crate) fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Self {
+    /// What is known to be right.
+    pub(crate) fn unchecked(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         Self {
-            positions: self.positions.clone(),
+            positions,
             triangles,
         }
+    }
+
+    /// All vertices with some of the triangles, so that vertices may be in none: what is left where others are torn
+    /// out, or one piece.
+    #[must_use]
+    pub fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Self {
+        Self::unchecked(self.positions.clone(), triangles)
+    }
+
+    /// The same triangles with other positions at rest (m).
+    ///
+    /// # Errors
+    /// [`MeshError`] for a position that is not finite, or a triangle without an area.
+    ///
+    /// # Panics
+    /// If there is not one position per vertex.
+    pub fn moved(&self, positions: Vec<Vec3>) -> Result<Self, MeshError> {
+        assert_eq!(positions.len(), self.positions.len(), "one per vertex");
+        check(&positions, &self.triangles)?;
+        Ok(Self::unchecked(positions, self.triangles.clone()))
     }
 
     /// Rest positions (m), one per vertex.
@@ -106,19 +130,14 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
     if let Some(vertex) = positions.iter().position(|p| !crate::math::is_finite(p)) {
         return Err(MeshError::NonFinitePosition { vertex });
     }
-    let mut used = vec![false; positions.len()];
     for (triangle, &corners) in triangles.iter().enumerate() {
-        for vertex in corners {
-            match used.get_mut(vertex as usize) {
-                Some(seen) => *seen = true,
-                None => {
-                    return Err(MeshError::IndexOutOfRange {
-                        triangle,
-                        vertex,
-                        vertex_count: positions.len(),
-                    });
-                }
-            }
+        let missing = |&&vertex: &&u32| vertex as usize >= positions.len();
+        if let Some(&vertex) = corners.iter().find(missing) {
+            return Err(MeshError::IndexOutOfRange {
+                triangle,
+                vertex,
+                vertex_count: positions.len(),
+            });
         }
         let [a, b, c] = corners;
         if a == b || b == c || c == a {
@@ -138,10 +157,16 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
     if let Some([first, second]) = duplicate(triangles) {
         return Err(MeshError::DuplicateTriangle { first, second });
     }
-    match used.iter().position(|&seen| !seen) {
-        Some(vertex) => Err(MeshError::UnreferencedVertex { vertex }),
-        None => Ok(()),
+    Ok(())
+}
+
+/// Of so many vertices, which ones are in an element.
+fn used<const N: usize>(elements: &[[u32; N]], vertex_count: usize) -> Vec<bool> {
+    let mut used = vec![false; vertex_count];
+    for &vertex in elements.as_flattened() {
+        used[vertex as usize] = true;
     }
+    used
 }
 
 /// The first pair of triangles on the same three vertices, whatever their winding.
@@ -204,7 +229,16 @@ pub enum MeshError {
         /// The later one.
         second: usize,
     },
-    /// No triangle uses a vertex, so it would have no mass.
+    /// A tetrahedron cannot be one of a solid.
+    BadTetrahedron {
+        /// The tetrahedron.
+        tetrahedron: usize,
+        /// Its four vertices.
+        corners: [u32; 4],
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// No triangle or tetrahedron uses a vertex, so it would have no mass.
     UnreferencedVertex {
         /// The vertex.
         vertex: usize,
@@ -248,6 +282,14 @@ impl fmt::Display for MeshError {
             Self::RepeatedVertex { triangle, corners } => {
                 write!(f, "triangle {triangle} names a vertex twice: {corners:?}")
             }
+            Self::BadTetrahedron {
+                tetrahedron,
+                corners,
+                reason,
+            } => write!(
+                f,
+                "tetrahedron {tetrahedron} with the vertices {corners:?} {reason}"
+            ),
             Self::ZeroArea { triangle, area } => {
                 write!(
                     f,

@@ -40,6 +40,17 @@ pub trait Stepper: Send {
         let _ = (vertices, are_prescribed);
         false
     }
+
+    /// From the next step on these elements are gone, by the numbers of their families and their own in these, as they
+    /// were given to the builder, each once. Returns whether the method can take notice of that as it is; if not,
+    /// nothing has changed, and it has to be built anew.
+    ///
+    /// # Panics
+    /// If there is no such element, or no longer.
+    fn remove_elements(&mut self, gone: &[[usize; 2]]) -> bool {
+        let _ = gone;
+        false
+    }
 }
 
 /// Everything outside the cloth that acts during one step.

@@ -74,6 +74,7 @@
 //! | spring ([`Spring`]) | x₀ − x₁ | L z/‖z‖ | k |
 //! | limit of a spring ([`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring)) | x₀ − x₁ | clamp(‖z‖) z/‖z‖ | k |
 //! | triangle, as rigid as possible ([`ArapTriangle`](cloth_core::energy::ArapTriangle)) | F = Σ xᵢ bᵢᵀ, 3 × 2 | U Vᵀ of F = U Σ Vᵀ | area · Y |
+//! | tetrahedron, as rigid as possible ([`ArapTetrahedron`](cloth_core::energy::ArapTetrahedron)) | F, 3 × 3 | U Vᵀ, a rotation | volume · 2μ |
 //! | limit of a triangle ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
 //! | isometric bending, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | D/(A₀ + A₁) |
 //! | hinge, curved at rest ([`CurvedHinge`](cloth_core::energy::CurvedHinge)) | Σ qᵢ xᵢ | r z/‖z‖ | D/(A₀ + A₁) |

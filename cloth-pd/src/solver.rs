@@ -134,6 +134,14 @@ impl Stepper for PdSolver {
         }
         true
     }
+
+    fn remove_elements(&mut self, gone: &[[usize; 2]]) -> bool {
+        for &[family, element] in gone {
+            let removed = self.remove(family, element);
+            assert!(removed.is_ok(), "no element {element} in family {family}");
+        }
+        true
+    }
 }
 
 impl PdSolver {

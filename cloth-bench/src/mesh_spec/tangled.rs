@@ -13,7 +13,7 @@ fn sheet(n: usize, size: Real, place: impl Fn(Vec3) -> Vec3) -> Result<TriMesh, 
 
 fn moved(mesh: &TriMesh, place: impl Fn(Vec3) -> Vec3) -> Result<TriMesh, MeshError> {
     let positions = mesh.positions().iter().map(|&x| place(x)).collect();
-    TriMesh::new(positions, mesh.triangles().to_vec())
+    mesh.moved(positions)
 }
 
 /// Two level layers `gap` (m) apart, the middle of the upper one pushed through the lower one by `depth` (m).
@@ -66,6 +66,33 @@ pub(crate) fn lining(angle: Real) -> Result<TriMesh, MeshError> {
         c + Vec3::new(x.x * cos + x.z * sin, x.y, x.z * cos - x.x * sin)
     })?;
     join(&[outer, inner])
+}
+
+/// A dress of any size and its lining, 4 mm inside of it, `around` vertices around and `along` cells along each. The
+/// lining is pushed through the dress by up to 6 mm in spots of 3 cm on a spiral, and the dress has no other holes.
+pub(crate) fn dress(around: usize, along: usize) -> Result<TriMesh, MeshError> {
+    const LENGTH: Real = 1.0;
+    const SPOTS: u32 = 40;
+    let straight = tube(around, along, 1.0, LENGTH)?;
+    // A wide hem below, a waist above.
+    let layer = |gap: Real, push: Real| {
+        moved(&straight, |x| {
+            let angle = x.y.atan2(x.x);
+            let radius = 0.15 + 0.2 * (1.0 - x.z / LENGTH).powi(2);
+            let spot = |k: u32| {
+                // The ends, where it may be held, stay clear.
+                let along = 0.04 + 0.92 * Real::from(k) / Real::from(SPOTS);
+                let turned = (angle - 2.4 * Real::from(k)).rem_euclid(std::f64::consts::TAU);
+                let aside = turned.min(std::f64::consts::TAU - turned) * radius;
+                let squared = aside.powi(2) + (x.z - along * LENGTH).powi(2);
+                (-squared / (2.0 * 0.015_f64.powi(2))).exp()
+            };
+            let pushed = (0..SPOTS).map(spot).fold(0.0, Real::max);
+            let radius = radius - gap + push * pushed;
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), x.z)
+        })
+    };
+    join(&[layer(0.0, 0.0)?, layer(4e-3, 0.01)?])
 }
 
 /// A pocket on a sheet, whose lower and side borders lie `lift` (m) above it, vertex on vertex, and which goes through

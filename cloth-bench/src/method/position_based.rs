@@ -3,6 +3,7 @@
 use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Auto, Choice, Or, Parameter, Range::*, Setting, Settings, Table};
+use cloth_core::cloth::Elements;
 use cloth_core::math::Real;
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_pbd::{Hierarchy, HierarchyConfig, PbdConfig, StiffnessRule};
@@ -229,6 +230,12 @@ pub(super) fn hierarchy(
             scene.name
         )));
     };
+    let is_solid = |family: &Elements| matches!(family, Elements::ArapTetrahedra(_));
+    if scene.model.others.iter().any(is_solid) {
+        return Err(BenchError::usage(
+            "hierarchy makes coarse levels of triangles, and cannot be with a solid",
+        ));
+    }
     let config = HierarchyConfig {
         every,
         ..HierarchyConfig::default()

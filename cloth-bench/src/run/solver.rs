@@ -4,6 +4,7 @@ use crate::error::BenchError;
 use crate::method::Method;
 use crate::scene::{Change, ChangeKind, Scene};
 use crate::settings::Settings;
+use cloth_core::cloth::Elements;
 use cloth_core::math::Real;
 use cloth_core::step::Stepper;
 
@@ -12,6 +13,24 @@ pub struct Solver<'a> {
     stepper: Taken<'a>,
     /// What makes it anew where the cloth changes.
     from: Option<(&'a Method, &'a Settings)>,
+    /// Of a scene that is torn.
+    torn: Option<Torn>,
+}
+
+/// The elements that it was built with, and what it has lost of them since then.
+struct Torn {
+    families: Vec<Elements>,
+    lost: Vec<[usize; 2]>,
+}
+
+impl Torn {
+    fn of(scene: &Scene) -> Option<Self> {
+        let is_tear = |change: &Change| matches!(change.kind, ChangeKind::Tear { .. });
+        scene.changes.iter().any(is_tear).then(|| Self {
+            families: scene.model.families(),
+            lost: Vec::new(),
+        })
+    }
 }
 
 enum Taken<'a> {
@@ -38,6 +57,7 @@ impl<'a> Solver<'a> {
         Ok(Self {
             stepper: Taken::Owned(method.build(scene, settings, dt)?),
             from: Some((method, settings)),
+            torn: Torn::of(scene),
         })
     }
 
@@ -46,6 +66,7 @@ impl<'a> Solver<'a> {
         Self {
             stepper: Taken::Lent(stepper),
             from: None,
+            torn: None,
         }
     }
 
@@ -57,17 +78,29 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Whether it could take notice of a change as it is.
-    pub(super) fn takes(&mut self, change: &Change) -> bool {
+    /// Whether it could take notice of a change as it is, after which the scene is this.
+    pub(super) fn takes(&mut self, change: &Change, after: &Scene) -> bool {
         match &change.kind {
             ChangeKind::Hold { vertices, .. } => self.stepper().set_prescribed(vertices, true),
             ChangeKind::Release { vertices } => self.stepper().set_prescribed(vertices, false),
             ChangeKind::Push { .. } => true,
-            ChangeKind::Tie { .. }
-            | ChangeKind::Untie { .. }
-            | ChangeKind::Sew { .. }
-            | ChangeKind::Tear { .. } => false,
+            ChangeKind::Tear { .. } => self.loses(&after.model.families()),
+            ChangeKind::Tie { .. } | ChangeKind::Untie { .. } | ChangeKind::Sew { .. } => false,
         }
+    }
+
+    /// Whether it could lose all elements that are not among `left`.
+    fn loses(&mut self, left: &[Elements]) -> bool {
+        let Some(torn) = &mut self.torn else {
+            return false;
+        };
+        let Some(lost) = Elements::lost(&torn.families, left) else {
+            return false;
+        };
+        let is_new = |element: &&[usize; 2]| torn.lost.binary_search(element).is_err();
+        let new: Vec<[usize; 2]> = lost.iter().filter(is_new).copied().collect();
+        torn.lost = lost;
+        self.stepper().remove_elements(&new)
     }
 
     pub(super) fn build(&mut self, scene: &Scene, dt: Real) -> Result<(), BenchError> {
@@ -78,6 +111,7 @@ impl<'a> Solver<'a> {
             )));
         };
         self.stepper = Taken::Owned(method.build(scene, settings, dt)?);
+        self.torn = Torn::of(scene);
         Ok(())
     }
 }

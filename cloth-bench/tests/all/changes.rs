@@ -100,7 +100,7 @@ fn what_is_torn_off_falls() {
         let bound = if method.name == "pd" { 1e-10 } else { 1e-12 };
         assert!(error < bound, "{}: {drop} {expected}", method.name);
         assert!(state.positions[26].z == 0.8, "{}", method.name);
-        assert!(summary.rebuilds > 0, "{}", method.name);
+        assert_eq!(summary.rebuilds > 0, method.name != "pd", "{}", method.name);
     }
 }
 

@@ -74,6 +74,67 @@ fn what_is_dragged_follows_its_path_and_flies_on_when_released() {
     }
 }
 
+/// Projective dynamics is corrected for what is grabbed, released and torn out, and goes on as one that is built anew for
+/// every tear: that one is behind a strain limit which is never met, and passes no change on.
+#[test]
+fn pd_goes_on_through_small_tears_as_if_it_were_built_anew() {
+    let cloth = |stiffness: &str| {
+        format!(
+            "[[mesh]]\ngenerator = \"grid:17x17:alternating\"\nscale = 0.2\n[cloth]\n{stiffness}\n\
+             [[pins]]\nvertices = [0, 16]\n{}{}{}{}",
+            event("grab", 3, "vertices = [140]\n"),
+            event("tear", 6, "box = [[0.099, 0.099, -1], [0.114, 0.114, 1]]\n"),
+            event("release", 9, "vertices = [140]\n"),
+            event("tear", 12, "line = [[0.101, 0.12, 0], [0.103, 0.16, 0]]\n"),
+        )
+    };
+    let run = |scene: &Scene, settings: &[&str]| {
+        let method = cloth_bench::method::Method::find("pd").unwrap();
+        let settings = Settings::parse(settings).unwrap();
+        let mut solver = Solver::new(method, &settings, scene, DT).unwrap();
+        let mut state = scene.start.clone();
+        let mut factorizations = Vec::new();
+        let run = run_changing(
+            scene,
+            &mut solver,
+            &mut state,
+            Plan::new(DT, 20),
+            |moment| {
+                factorizations.push(moment.report.factorizations);
+                Ok(())
+            },
+        );
+        let (summary, end) = run.unwrap();
+        (state.positions, summary.rebuilds, factorizations, end)
+    };
+    let springs = scene("pd-tears", &cloth("stiffness = 500"));
+    for acceleration in ["none", "chebyshev", "quasi-newton"] {
+        let acceleration = format!("acceleration={acceleration}");
+        let settings = ["iterations=10", &acceleration];
+        let (went_on, rebuilds, factorizations, end) = run(&springs, &settings);
+        let limited = [&settings[..], &["strain_limit=1000"]].concat();
+        let (anew, all, _, _) = run(&springs, &limited);
+        assert_eq!((rebuilds, all), (0, 4), "{acceleration}");
+        let triangles = end.mesh.unwrap().triangle_count();
+        assert!(triangles < springs.mesh.as_ref().unwrap().triangle_count() - 8);
+        // The first step factorises; a grab, which changes one row, does not, nor a hole of two triangles.
+        assert_eq!(factorizations[..7], [1, 0, 0, 0, 0, 0, 0], "{acceleration}");
+        let pairs = went_on.iter().zip(&anew);
+        let apart = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        println!("{acceleration}: {apart:e}, {factorizations:?}");
+        // Ten iterations of the quasi-Newton method make some 1e-9 m of rounding.
+        let bound = if acceleration.ends_with("newton") {
+            1e-8
+        } else {
+            1e-14
+        };
+        assert!(apart < bound, "{acceleration}: {apart:e}");
+    }
+    // Springs made of a modulus are weaker at a new rim: those are others, and it is built anew.
+    let modulus = scene("pd-tears-modulus", &cloth("modulus = 500"));
+    assert_eq!(run(&modulus, &[]).1, 2);
+}
+
 /// What is left of the triangles of a scene after its only tear.
 fn left(scene: &Scene) -> Vec<[u32; 3]> {
     match &scene.changes[..] {

@@ -55,6 +55,7 @@ mod scene_text;
 mod seam;
 mod settings;
 mod soft_pins;
+mod solids;
 mod start_warnings;
 mod starts;
 mod stops;

@@ -10,9 +10,9 @@ use cloth_bench::studies::Study;
 use cloth_bench::studies::stability::stable_up_to;
 use cloth_core::element::{Constraint, Energy, Projective, RowArray};
 use cloth_core::energy::{
-    ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
-    MidpointHinge, SoftPin, Spring, Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
-    VolumeTetrahedron,
+    ArapTetrahedron, ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge,
+    CurvedHinge, DihedralHinge, MidpointHinge, SoftPin, Spring, Stitch, StrainLimitSpring,
+    StrainLimitTriangle, StvkTriangle, VolumeTetrahedron,
 };
 use cloth_core::mesh::obj;
 use cloth_core::mesh::ply::{self, Encoding};
@@ -88,6 +88,7 @@ fn the_table_of_elements_is_that_of_the_code() {
         cells!(MidpointHinge, 5),
         cells!(StvkTriangle, 3),
         cells!(ArapTriangle, 3),
+        cells!(ArapTetrahedron, 4),
         cells!(AreaTriangle, 3),
         cells!(VolumeTetrahedron, 4),
         cells!(StrainLimitSpring, 2),

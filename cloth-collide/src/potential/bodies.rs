@@ -143,7 +143,7 @@ impl Bodies {
                 if is_far || self.has_row[index] || step.inverse_mass[vertex] == 0.0 {
                     continue;
                 }
-                if near.pinched.passes(vertex, number) {
+                if near.is_inside(vertex) || near.pinched.passes(vertex, number) {
                     continue;
                 }
                 let at = body.signed_distance(*from, 0.0);
@@ -182,7 +182,7 @@ impl Bodies {
             }
             let first = number * substep.near.cloth;
             for (vertex, (x, w)) in x.iter().zip(substep.step.inverse_mass).enumerate() {
-                if *w > 0.0 {
+                if *w > 0.0 && !substep.near.is_inside(vertex) {
                     let room = self.rooms[first + vertex] - h * (1.0 + SLACK);
                     let displacement = (x - self.places[first + vertex]).norm();
                     least = least.min(room / body.shape().lipschitz() - displacement);

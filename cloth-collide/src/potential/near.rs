@@ -261,6 +261,11 @@ impl Near {
         self.own.excluded.has(vertices) || self.own.sewn.join(vertices)
     }
 
+    /// Whether a vertex is in no triangle: inside of a solid, whose surface is what touches.
+    pub(super) fn is_inside(&self, vertex: usize) -> bool {
+        self.vertex_area[vertex] == 0.0
+    }
+
     fn is_own(&self, vertex: u32) -> bool {
         (vertex as usize) < self.cloth
     }

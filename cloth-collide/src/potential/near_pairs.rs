@@ -275,7 +275,7 @@ impl NearPairs {
         for (vertex, (x, reach)) in (0u32..).zip(vertices) {
             for ((number, obstacle), room) in (0u32..).zip(obstacles).zip(&mut rooms) {
                 let (v, body) = (vertex as usize, number as usize);
-                if !near.is_free[v] || near.pinched.passes(v, body) {
+                if !near.is_free[v] || near.is_inside(v) || near.pinched.passes(v, body) {
                     continue;
                 }
                 let stretch = obstacle.shape().lipschitz();

@@ -362,6 +362,7 @@ impl Contacts {
         let mut bodies = self.before.iter();
         let is_outside = |v: usize| {
             step.inverse_mass[v] == 0.0
+                || self.near.is_inside(v)
                 || self.before.iter().enumerate().all(|(number, body)| {
                     let x = step.from[v];
                     self.near.pinched.passes(v, number)
@@ -401,7 +402,7 @@ impl Contacts {
         for (number, ((before, after), (_, friction))) in (0u32..).zip(bodies) {
             for (vertex, place) in (0u32..).zip(near.own(x)) {
                 let v = vertex as usize;
-                let passes = near.pinched.passes(v, number as usize);
+                let passes = near.is_inside(v) || near.pinched.passes(v, number as usize);
                 if step.inverse_mass[v] == 0.0 || *friction == 0.0 || passes {
                     continue;
                 }

@@ -142,6 +142,14 @@ fn lining_turned_through_its_sleeve_goes_back_inside() {
     }
 }
 
+/// It goes up to 6 mm through the dress, in many places; each of the two goes half of the way.
+#[test]
+fn lining_pushed_through_its_dress_in_spots_goes_back_inside() {
+    let dress = undone(&garments::dress(90, 50).unwrap());
+    let needed = 6e-3 + THICKNESS;
+    assert!(dress.farthest < 0.6 * needed && dress.distance > 0.95 * THICKNESS);
+}
+
 /// It goes 6 mm through the sheet.
 #[test]
 fn pocket_is_pulled_out_of_what_it_is_sewn_onto() {

@@ -1,13 +1,13 @@
 //! Families of the energies that a cloth is made of, to be kept in one list whatever their kind.
 //!
-//! [`AreaTriangle`](crate::energy::AreaTriangle), [`VolumeTetrahedron`](crate::energy::VolumeTetrahedron) and
-//! [`Attachment`](crate::energy::Attachment) are not among them. They go to a builder by its `energy`, as elements of
-//! your own do.
+//! [`AreaTriangle`](crate::energy::AreaTriangle) and [`Attachment`](crate::energy::Attachment) are not among them. They
+//! go to a builder by its `energy`, as elements of your own do.
 
 use crate::element::{Constraint, Energy, Projective};
 use crate::energy::{
-    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, MidpointHinge, SoftPin,
-    Spring, Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
+    ArapTetrahedron, ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
+    MidpointHinge, SoftPin, Spring, Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
+    VolumeTetrahedron,
 };
 use crate::method::family::Energies;
 use crate::step::BuildError;
@@ -39,6 +39,10 @@ pub enum Elements {
     Cubic(Vec<CubicShell>),
     /// Quadratic hinges between triangles that share the middle of an edge.
     Midpoint(Vec<MidpointHinge>),
+    /// As-rigid-as-possible tetrahedra.
+    ArapTetrahedra(Vec<ArapTetrahedron>),
+    /// Tetrahedra that keep their volume.
+    Volumes(Vec<VolumeTetrahedron>),
     /// Ties to points that move.
     SoftPins(Vec<SoftPin>),
     /// Links: springs that are no part of the cloth, rigid ones with an infinite stiffness.
@@ -47,6 +51,55 @@ pub enum Elements {
     Stitches(Vec<Stitch>),
     /// Stitches of seams from a vertex to a point of an edge.
     EdgeStitches(Vec<Stitch<3>>),
+}
+
+/// Does the same with the elements of every kind.
+macro_rules! each {
+    ($of:expr, $elements:ident => $what:expr) => {
+        match $of {
+            Elements::Springs($elements) => $what,
+            Elements::Limited($elements) => $what,
+            Elements::LimitedTriangles($elements) => $what,
+            Elements::Stvk($elements) => $what,
+            Elements::Arap($elements) => $what,
+            Elements::Quadratic($elements) => $what,
+            Elements::Curved($elements) => $what,
+            Elements::Dihedral($elements) => $what,
+            Elements::Cubic($elements) => $what,
+            Elements::Midpoint($elements) => $what,
+            Elements::ArapTetrahedra($elements) => $what,
+            Elements::Volumes($elements) => $what,
+            Elements::SoftPins($elements) => $what,
+            Elements::Links($elements) => $what,
+            Elements::Stitches($elements) => $what,
+            Elements::EdgeStitches($elements) => $what,
+        }
+    };
+}
+
+/// Does the same with two lists of the same kind, if they are.
+macro_rules! both {
+    ($of:expr, $own:ident, $other:ident => $what:expr) => {
+        match $of {
+            (Elements::Springs($own), Elements::Springs($other)) => Some($what),
+            (Elements::Limited($own), Elements::Limited($other)) => Some($what),
+            (Elements::LimitedTriangles($own), Elements::LimitedTriangles($other)) => Some($what),
+            (Elements::Stvk($own), Elements::Stvk($other)) => Some($what),
+            (Elements::Arap($own), Elements::Arap($other)) => Some($what),
+            (Elements::Quadratic($own), Elements::Quadratic($other)) => Some($what),
+            (Elements::Curved($own), Elements::Curved($other)) => Some($what),
+            (Elements::Dihedral($own), Elements::Dihedral($other)) => Some($what),
+            (Elements::Cubic($own), Elements::Cubic($other)) => Some($what),
+            (Elements::Midpoint($own), Elements::Midpoint($other)) => Some($what),
+            (Elements::ArapTetrahedra($own), Elements::ArapTetrahedra($other)) => Some($what),
+            (Elements::Volumes($own), Elements::Volumes($other)) => Some($what),
+            (Elements::SoftPins($own), Elements::SoftPins($other)) => Some($what),
+            (Elements::Links($own), Elements::Links($other)) => Some($what),
+            (Elements::Stitches($own), Elements::Stitches($other)) => Some($what),
+            (Elements::EdgeStitches($own), Elements::EdgeStitches($other)) => Some($what),
+            _ => None,
+        }
+    };
 }
 
 impl Elements {
@@ -64,6 +117,8 @@ impl Elements {
             Self::Dihedral(_) => "dihedral hinges",
             Self::Cubic(_) => "cubic-shell hinges",
             Self::Midpoint(_) => "hinges of edge midpoints",
+            Self::ArapTetrahedra(_) => "ARAP tetrahedra",
+            Self::Volumes(_) => "tetrahedra with a volume",
             Self::SoftPins(_) => "soft pins",
             Self::Links(_) => "links",
             Self::Stitches(_) => "stitches",
@@ -74,22 +129,7 @@ impl Elements {
     /// Number of elements.
     #[must_use]
     pub fn len(&self) -> usize {
-        match self {
-            Self::Springs(elements) => elements.len(),
-            Self::Limited(elements) => elements.len(),
-            Self::LimitedTriangles(elements) => elements.len(),
-            Self::Stvk(elements) => elements.len(),
-            Self::Arap(elements) => elements.len(),
-            Self::Quadratic(elements) => elements.len(),
-            Self::Curved(elements) => elements.len(),
-            Self::Dihedral(elements) => elements.len(),
-            Self::Cubic(elements) => elements.len(),
-            Self::Midpoint(elements) => elements.len(),
-            Self::SoftPins(elements) => elements.len(),
-            Self::Links(elements) => elements.len(),
-            Self::Stitches(elements) => elements.len(),
-            Self::EdgeStitches(elements) => elements.len(),
-        }
+        each!(self, elements => elements.len())
     }
 
     /// Whether there are none.
@@ -101,47 +141,48 @@ impl Elements {
     /// Adds a family to a list, to the one of its kind if there is one.
     pub(super) fn merge(families: &mut Vec<Self>, mut family: Self) {
         for own in families.iter_mut() {
-            match (own, &mut family) {
-                (Self::Springs(own), Self::Springs(more)) => return own.append(more),
-                (Self::Limited(own), Self::Limited(more)) => return own.append(more),
-                (Self::LimitedTriangles(own), Self::LimitedTriangles(more)) => {
-                    return own.append(more);
-                }
-                (Self::Stvk(own), Self::Stvk(more)) => return own.append(more),
-                (Self::Arap(own), Self::Arap(more)) => return own.append(more),
-                (Self::Quadratic(own), Self::Quadratic(more)) => return own.append(more),
-                (Self::Curved(own), Self::Curved(more)) => return own.append(more),
-                (Self::Dihedral(own), Self::Dihedral(more)) => return own.append(more),
-                (Self::Cubic(own), Self::Cubic(more)) => return own.append(more),
-                (Self::Midpoint(own), Self::Midpoint(more)) => return own.append(more),
-                (Self::SoftPins(own), Self::SoftPins(more)) => return own.append(more),
-                (Self::Links(own), Self::Links(more)) => return own.append(more),
-                (Self::Stitches(own), Self::Stitches(more)) => return own.append(more),
-                (Self::EdgeStitches(own), Self::EdgeStitches(more)) => return own.append(more),
-                _ => {}
+            if both!((own, &mut family), own, more => own.append(more)).is_some() {
+                return;
             }
         }
         families.push(family);
     }
 
+    /// Places of the elements that `left` does not have, if that is these without them, in the same order.
+    fn without(&self, left: &Self) -> Option<Vec<usize>> {
+        both!((self, left), all, left => {
+            let mut left = left.iter().peekable();
+            let numbered = all.iter().enumerate();
+            let gone = numbered.filter(|(_, one)| left.next_if(|next| next == one).is_none());
+            let gone = gone.map(|(place, _)| place).collect();
+            left.next().is_none().then_some(gone)
+        })?
+    }
+
+    /// What `left` lacks of `families`, a family and a place in it each, if it has nothing else, and all in the same
+    /// order: what a [`Stepper`](crate::step::Stepper) with these families has to
+    /// [lose](crate::step::Stepper::remove_elements) to have the others.
+    #[must_use]
+    pub fn lost(families: &[Self], left: &[Self]) -> Option<Vec<[usize; 2]>> {
+        let mut left = left.iter().peekable();
+        let mut lost = Vec::new();
+        for (number, family) in families.iter().enumerate() {
+            let part = left.peek().and_then(|left| family.without(left));
+            let gone = match part {
+                Some(gone) => {
+                    left.next();
+                    gone
+                }
+                None => (0..family.len()).collect(),
+            };
+            lost.extend(gone.into_iter().map(|place| [number, place]));
+        }
+        left.next().is_none().then_some(lost)
+    }
+
     /// Shows the elements as energies: every kind has that view.
     pub fn as_energies<V: EnergyVisitor>(self, visitor: V) -> V::Output {
-        match self {
-            Self::Springs(elements) => visitor.visit(elements),
-            Self::Limited(elements) => visitor.visit(elements),
-            Self::LimitedTriangles(elements) => visitor.visit(elements),
-            Self::Stvk(elements) => visitor.visit(elements),
-            Self::Arap(elements) => visitor.visit(elements),
-            Self::Quadratic(elements) => visitor.visit(elements),
-            Self::Curved(elements) => visitor.visit(elements),
-            Self::Dihedral(elements) => visitor.visit(elements),
-            Self::Cubic(elements) => visitor.visit(elements),
-            Self::Midpoint(elements) => visitor.visit(elements),
-            Self::SoftPins(elements) => visitor.visit(elements),
-            Self::Links(elements) => visitor.visit(elements),
-            Self::Stitches(elements) => visitor.visit(elements),
-            Self::EdgeStitches(elements) => visitor.visit(elements),
-        }
+        each!(self, elements => visitor.visit(elements))
     }
 
     /// Shows the elements as constraints.
@@ -159,6 +200,8 @@ impl Elements {
             Self::Curved(elements) => visitor.visit(elements),
             Self::Dihedral(elements) => visitor.visit(elements),
             Self::Midpoint(elements) => visitor.visit(elements),
+            Self::ArapTetrahedra(elements) => visitor.visit(elements),
+            Self::Volumes(elements) => visitor.visit(elements),
             Self::SoftPins(elements) => visitor.visit(elements),
             Self::Links(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
@@ -170,7 +213,8 @@ impl Elements {
     /// Shows the elements as squared distances to sets.
     ///
     /// # Errors
-    /// [`BuildError::UnsupportedElements`] for a kind that is none: StVK triangles, dihedral hinges, the cubic shell.
+    /// [`BuildError::UnsupportedElements`] for a kind that is none: StVK triangles, dihedral hinges, the cubic shell,
+    /// tetrahedra with a volume.
     pub fn as_projections<V: ProjectiveVisitor>(self, visitor: V) -> Result<V::Output, BuildError> {
         Ok(match self {
             Self::Springs(elements) => visitor.visit(elements),
@@ -180,11 +224,12 @@ impl Elements {
             Self::Quadratic(elements) => visitor.visit(elements),
             Self::Curved(elements) => visitor.visit(elements),
             Self::Midpoint(elements) => visitor.visit(elements),
+            Self::ArapTetrahedra(elements) => visitor.visit(elements),
             Self::SoftPins(elements) => visitor.visit(elements),
             Self::Links(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
             Self::EdgeStitches(elements) => visitor.visit(elements),
-            Self::Stvk(_) | Self::Dihedral(_) | Self::Cubic(_) => {
+            Self::Stvk(_) | Self::Dihedral(_) | Self::Cubic(_) | Self::Volumes(_) => {
                 return Err(self.unsupported("is a squared distance ½ w ‖Sx − p‖² to a set"));
             }
         })

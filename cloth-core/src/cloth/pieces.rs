@@ -1,6 +1,6 @@
 //! A cloth of several materials on one mesh.
 
-use super::{Cloth, ClothError, ClothModel, Discretization, Elements};
+use super::{Cloth, ClothError, ClothModel, Discretization, Elements, SolidPiece};
 use crate::math::Real;
 use crate::mesh::TriMesh;
 use crate::particles::Particles;
@@ -20,12 +20,20 @@ pub struct Piece {
 impl ClothModel {
     /// Masses and elements of pieces of one mesh, each by [`Cloth::discretized_with`] on its own triangles: no
     /// hinge goes across the border of two pieces, and pieces that share an edge both have a spring on it, as two
-    /// cloths would that are sewn together there. Triangles in no piece get no elements.
+    /// cloths would that are sewn together there. Triangles in no piece get no elements. Solids on vertices of the mesh
+    /// come on top.
     ///
     /// # Errors
     /// [`ClothError`] for a number out of range, a triangle that does not exist or is in two pieces, a vertex in no
     /// piece (its mass would be zero), or a coarse level for a piece that is not the whole mesh.
-    pub fn of_pieces(mesh: &TriMesh, pieces: &[Piece]) -> Result<Self, ClothError> {
+    ///
+    /// # Panics
+    /// If a tetrahedron names a vertex that the mesh does not have.
+    pub fn of_pieces(
+        mesh: &TriMesh,
+        pieces: &[Piece],
+        solids: &[SolidPiece],
+    ) -> Result<Self, ClothError> {
         let mut mass = vec![0.0; mesh.vertex_count()];
         let areas: Vec<Real> = mesh.areas().collect();
         let mut is_taken = vec![false; areas.len()];
@@ -60,6 +68,13 @@ impl ClothModel {
             hinges.extend(elements.hinges);
             for family in elements.others {
                 Elements::merge(&mut others, family);
+            }
+        }
+        for piece in solids {
+            for family in piece.cut(mesh.positions(), &mut mass)? {
+                if !family.is_empty() {
+                    Elements::merge(&mut others, family);
+                }
             }
         }
         Ok(Self {

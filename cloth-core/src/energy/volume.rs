@@ -4,6 +4,7 @@
 //! deformable solids", Computer Graphics International 2004: their potential for the preservation of volume, here with
 //! `k = K/V₀`.
 
+use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 
@@ -44,9 +45,15 @@ fn signed_volume(x: &[Vec3; 4]) -> Real {
 }
 
 impl Element<4> for VolumeTetrahedron {
+    const IS_IN_ELEMENTS: bool = true;
+
     #[inline]
     fn vertices(&self) -> [u32; 4] {
         self.vertices
+    }
+
+    fn into_elements(all: Vec<Self>) -> Elements {
+        Elements::Volumes(all)
     }
 }
 

@@ -1,5 +1,6 @@
 //! What can be wrong with a file of a mesh, and where.
 
+use super::gmsh::GmshProblem;
 use super::obj::ObjProblem;
 use super::ply::PlyProblem;
 use std::path::{Path, PathBuf};
@@ -85,6 +86,14 @@ pub enum MeshFileProblem {
     Obj(ObjProblem),
     /// Anything else about a PLY file.
     Ply(PlyProblem),
+    /// Anything else about a file of Gmsh.
+    Gmsh(GmshProblem),
+}
+
+impl From<GmshProblem> for MeshFileProblem {
+    fn from(problem: GmshProblem) -> Self {
+        Self::Gmsh(problem)
+    }
 }
 
 impl From<ObjProblem> for MeshFileProblem {
@@ -125,6 +134,7 @@ impl fmt::Display for MeshFileProblem {
             }
             Self::Obj(problem) => problem.fmt(f),
             Self::Ply(problem) => problem.fmt(f),
+            Self::Gmsh(problem) => problem.fmt(f),
         }
     }
 }
@@ -134,6 +144,7 @@ impl std::error::Error for MeshFileError {
         match &self.problem {
             MeshFileProblem::Unreadable(error) | MeshFileProblem::Unwritable(error) => Some(error),
             MeshFileProblem::Obj(ObjProblem::Mesh(error))
+            | MeshFileProblem::Gmsh(GmshProblem::Mesh(error))
             | MeshFileProblem::Ply(PlyProblem::Mesh { error, .. }) => Some(error),
             _ => None,
         }

@@ -17,17 +17,21 @@
 //! | box | [`cuboid`] | 8 | 12 | 2 |
 //! | Möbius band, n around, m cells across | [`moebius`] | n (m+1) | 2 n m | 0 |
 //!
+//! Solids, of tetrahedra: [`block`] with 5 c₁c₂c₃ of them, and [`ball`] of n shells with 20n³.
+//!
 //! [`without_triangles`] cuts holes, [`join`] puts several meshes into one.
 
 mod cuboid;
 mod irregular;
 mod pieces;
 mod round;
+mod solid;
 
 pub use cuboid::cuboid;
 pub use irregular::irregular;
 pub use pieces::{join, without_triangles};
 pub use round::{disk, moebius, sphere, torus, tube};
+pub use solid::{ball, block};
 
 use super::{MeshError, TriMesh};
 use crate::error::{positive, within};

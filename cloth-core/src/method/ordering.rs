@@ -165,8 +165,7 @@ impl Order {
         let mut triangles: Vec<[u32; 3]> = renumbered.collect();
         // The sort is stable: triangles at the same vertex keep their order.
         triangles.sort_by_key(|&[a, b, c]| a.min(b).min(c));
-        TriMesh::new(self.apply(mesh.positions()), triangles)
-            .expect("the same triangles with other numbers are as valid as before")
+        TriMesh::unchecked(self.apply(mesh.positions()), triangles)
     }
 
     /// Largest difference of the new numbers of two neighbours; for the numbers as they are use

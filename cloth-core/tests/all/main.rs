@@ -48,6 +48,7 @@ mod random;
 #[cfg(feature = "cholesky")]
 mod saddle;
 mod semidefinite;
+mod solid;
 mod stencils;
 mod stitch;
 mod sweep_forms;

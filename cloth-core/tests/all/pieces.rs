@@ -39,7 +39,8 @@ fn one_piece_of_all_triangles_is_the_whole_cloth() {
             bending,
             ..Discretization::default()
         };
-        let model = ClothModel::of_pieces(&mesh, &[piece(COTTON, discretization, 0..all)]).unwrap();
+        let model =
+            ClothModel::of_pieces(&mesh, &[piece(COTTON, discretization, 0..all)], &[]).unwrap();
         assert_eq!(
             model,
             COTTON.discretized_with(&discretization, &mesh).unwrap()
@@ -67,7 +68,7 @@ fn pieces_apart_are_the_cloths_they_would_be_alone() {
             piece(COTTON, first, 0..triangles),
             piece(LEATHER, second, triangles..2 * triangles),
         ];
-        let model = ClothModel::of_pieces(&both, &pieces).unwrap();
+        let model = ClothModel::of_pieces(&both, &pieces, &[]).unwrap();
         let alone = [(COTTON, first), (LEATHER, second)].map(|(cloth, discretization)| {
             cloth.discretized_with(&discretization, &sheet).unwrap()
         });
@@ -96,7 +97,7 @@ fn what_is_in_no_piece_carries_nothing() {
         discretization: Discretization::default(),
         triangles: kept,
     }];
-    let model = ClothModel::of_pieces(&mesh, &pieces).unwrap();
+    let model = ClothModel::of_pieces(&mesh, &pieces, &[]).unwrap();
     let alone = LEATHER.on(&rest.unwrap()).unwrap();
     assert_eq!(model, alone);
 }
@@ -106,7 +107,7 @@ fn pieces_that_do_not_fit_are_refused() {
     let mesh = sheet();
     let all = mesh.triangles().len() as u32;
     let plain = Discretization::default();
-    let refused = |pieces: &[Piece]| ClothModel::of_pieces(&mesh, pieces).unwrap_err();
+    let refused = |pieces: &[Piece]| ClothModel::of_pieces(&mesh, pieces, &[]).unwrap_err();
     let beyond = refused(&[piece(COTTON, plain, 0..all + 1)]);
     assert_eq!(beyond, ClothError::NoSuchTriangle(all));
     let twice = refused(&[piece(COTTON, plain, 0..all), piece(LEATHER, plain, 3..4)]);

@@ -29,6 +29,7 @@ use cloth_core::step::BuildError;
 /// | `DihedralHinge` | `θ − θ₀` | below | a wing without area: C and ∂C are zero |
 /// | `StvkTriangle` | three strains, below | below | |
 /// | `ArapTriangle` | two: `σ − 1` | `u (v·bᵢ)` | σ = 0: any u at right angles to the other |
+/// | `ArapTetrahedron` | three: `σ − 1` | `u (v·bᵢ)` | the same |
 /// | `AreaTriangle` | `A − A₀` | `½ n × oᵢ`, below | A = 0: any n across the line |
 /// | `VolumeTetrahedron` | `V − V₀` | `(x₂ − x₀) × (x₃ − x₀)/6` for x₁; by turns | |
 /// | `StrainLimitSpring`, `StrainLimitTriangle` | `l`, `σ` minus the nearest allowed | as without limits; inside 0 | |

@@ -1,7 +1,7 @@
 //! From the text of a file to a [`Scene`].
 
 use super::document::{Document, Section};
-use super::keys::{MESH_CLOTH, MESH_CONTACT, Obstacle, SECTIONS, Top, overrulable};
+use super::keys::{MESH_CLOTH, MESH_CONTACT, MESH_SOLID, Obstacle, SECTIONS, Top, overrulable};
 use super::material::Material;
 use super::{
     air, event, force, gas, link, mass, mesh, methods, obstacles, pins, roughness, seam, start,
@@ -61,6 +61,8 @@ struct Sections<'a> {
     meshes: Vec<Section<'a>>,
     /// What each of them says of its own material.
     materials: Vec<Option<Section<'a>>>,
+    /// Of its inside, if it is a solid.
+    solids: Vec<Option<Section<'a>>>,
     /// And of its own contact.
     roughness: Vec<Option<Section<'a>>>,
     cloth: Section<'a>,
@@ -84,6 +86,7 @@ impl<'a> Sections<'a> {
         let [
             top,
             meshes,
+            _,
             _,
             _,
             cloth,
@@ -113,7 +116,7 @@ impl<'a> Sections<'a> {
                 return Err(document.refuse(value.span(), message));
             };
             let below: &[&str] = match info.head {
-                "[[mesh]]" => &["cloth", "contact"],
+                "[[mesh]]" => &["cloth", "contact", "solid"],
                 _ => &[],
             };
             Section::new(document, info, Some(value), Some(entries), below)
@@ -135,6 +138,8 @@ impl<'a> Sections<'a> {
         let meshes = all(meshes)?;
         let materials = meshes.iter().map(|mesh| mesh.below("cloth", &MESH_CLOTH));
         let materials = materials.collect::<Result<_, _>>()?;
+        let solids = meshes.iter().map(|mesh| mesh.below("solid", &MESH_SOLID));
+        let solids = solids.collect::<Result<_, _>>()?;
         let own = meshes
             .iter()
             .map(|mesh| mesh.below("contact", &MESH_CONTACT));
@@ -144,6 +149,7 @@ impl<'a> Sections<'a> {
             top: Section::new(document, top, None, Some(root), &names)?,
             meshes,
             materials,
+            solids,
             roughness,
             cloth: one(cloth)?,
             pins: all(pins)?,
@@ -216,10 +222,20 @@ impl<'a> Sections<'a> {
                 "there is no cloth: a scene needs [[mesh]] with a file or a generator",
             ));
         }
-        let (mesh, counts, from_file) = mesh::joined(&self.meshes, folder)?;
+        let mesh::Joined {
+            mesh,
+            counts,
+            solids,
+            from_file,
+        } = mesh::joined(&self.meshes, &self.solids, folder)?;
+        let has_solid = solids.iter().any(Option::is_some);
+        if has_solid && self.air.is_given() {
+            let message = "is for sheets, and cannot be with [mesh.solid]";
+            return Err(self.air.refuse_table(message));
+        }
         let read = |section: &Section<'_>| section.settings(Settings::default()).then(overruling);
         let (cloth, contact) = (read(&self.cloth), read(&self.contact));
-        let mut material = Material::new(&cloth, &self.materials, &counts);
+        let mut material = Material::new(&cloth, &self.materials, solids, &counts)?;
         let up = -gravity.try_normalize(0.0).unwrap_or(-Vec3::z());
         let mut held = Vec::new();
         for section in &self.pins {

@@ -28,7 +28,8 @@ crate::settings! {
     }
     /// Of a mesh that is read or generated.
     pub(super) struct Source {
-        file: Option<String> = "none", "an OBJ or PLY file in m, its path relative to the scene file";
+        file: Option<String> = "none",
+            "an OBJ or PLY file in m, its path relative to the scene file; of a solid, a .msh file of Gmsh";
         generator: Option<String> = "none",
             "a generated mesh such as \"grid:33x33:alternating\" (see meshes); give this or a file";
         scale: Option<Factors> = 1 in Above(0.0), "factor, or one for each axis such as [1, 0.25, 1]; first of all";
@@ -47,6 +48,13 @@ crate::settings! {
         bulk_modulus: Option<Real> = "none" "Pa" in Above(0.0),
             "K of what is sealed inside a closed piece: its pressure falls by K for every volume at rest that is \
              added; 1e5 for air, 2e9 for water; none: nothing is";
+    }
+    /// Of a solid.
+    pub(super) struct SolidTable {
+        density: Real = 1000 "kg/m³" in Above(0.0), "of the solid; 1000 as water";
+        modulus: Real = 1e5 "Pa" in AtLeast(0.0), "Young's modulus E; 1e4 to 1e6 for foam, jelly and soft rubber";
+        poisson: Real = 0 in Within(0.0, MOST_POISSON),
+            "Poisson's ratio ν; with another one than 0 pd cannot take it, and beyond 0.4 a coarse solid is too stiff";
     }
     /// Of a piece that is not equally thick or rough.
     pub(super) struct PieceContact {
@@ -236,6 +244,17 @@ pub(super) const MESH_CLOTH: SectionInfo = SectionInfo {
     keys: CLOTH,
 };
 
+/// Beyond this a solid hardly has a way to move but as a whole.
+const MOST_POISSON: Real = 0.49;
+
+/// Below a `[[mesh]]`.
+pub(super) const MESH_SOLID: SectionInfo = SectionInfo {
+    head: "[mesh.solid]",
+    about: "below a [[mesh]] that is a solid of tetrahedra, from block:NxMxK, ball:N or a file of Gmsh (.msh, version \
+            2.2 in ASCII): what it is made of; its surface touches as cloth does. It cannot be torn, nor be with [air]",
+    keys: &[SolidTable::PARAMETERS],
+};
+
 /// Below a `[[mesh]]`.
 pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
     head: "[mesh.contact]",
@@ -253,7 +272,7 @@ pub(super) const METHOD: SectionInfo = SectionInfo {
 };
 
 /// Every table, in the order in which one would write them.
-pub const SECTIONS: [SectionInfo; 17] = [
+pub const SECTIONS: [SectionInfo; 18] = [
     SectionInfo {
         head: "",
         about: "before all tables",
@@ -265,6 +284,7 @@ pub const SECTIONS: [SectionInfo; 17] = [
         keys: &[Source::PARAMETERS, Piece::PARAMETERS],
     },
     MESH_CLOTH,
+    MESH_SOLID,
     MESH_CONTACT,
     SectionInfo {
         head: "[cloth]",

@@ -1,10 +1,10 @@
-//! `[cloth]` and `[mesh.cloth]`: what the pieces of a cloth are made of.
+//! `[cloth]`, `[mesh.cloth]` and `[mesh.solid]`: what the pieces are made of.
 
 use super::document::Section;
 use crate::error::BenchError;
 use crate::scene::cloth;
 use crate::settings::Settings;
-use cloth_core::cloth::{ClothModel, Membrane, Piece};
+use cloth_core::cloth::{ClothModel, Membrane, Piece, SolidPiece};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::method::ordering::Order;
@@ -15,44 +15,67 @@ pub(super) struct Material {
     settings: Vec<Settings>,
     /// What stands in the tables of these pieces alone.
     own: Vec<Settings>,
-    /// Which of them each vertex has.
-    of_vertex: Vec<usize>,
+    /// Which of them each vertex has, but for those of solids.
+    of_vertex: Vec<Option<usize>>,
+    solids: Vec<SolidPiece>,
 }
 
 impl Material {
     /// `common` is that of `[cloth]`, overruled; `own` are the tables of the pieces, and `counts` the numbers of their
     /// vertices.
-    pub(super) fn new(common: &Settings, own: &[Option<Section<'_>>], counts: &[usize]) -> Self {
+    pub(super) fn new(
+        common: &Settings,
+        own: &[Option<Section<'_>>],
+        solids: Vec<Option<SolidPiece>>,
+        counts: &[usize],
+    ) -> Result<Self, BenchError> {
         let mut settings = vec![common.clone()];
         let mut of_vertex = Vec::new();
-        for (section, count) in own.iter().zip(counts) {
-            let mut place = 0;
+        for ((section, solid), count) in own.iter().zip(&solids).zip(counts) {
+            let mut place = solid.is_none().then_some(0);
             if let Some(section) = section {
-                place = settings.len();
+                if solid.is_some() {
+                    return Err(section.refuse_table("has no meaning for a solid"));
+                }
+                place = Some(settings.len());
                 settings.push(section.settings(common.clone()));
             }
             of_vertex.extend(std::iter::repeat_n(place, *count));
         }
         let own = own.iter().flatten();
-        Self {
+        Ok(Self {
+            solids: solids.into_iter().flatten().collect(),
             settings,
             own: own
                 .map(|section| section.settings(Settings::default()))
                 .collect(),
             of_vertex,
-        }
+        })
+    }
+
+    /// Whether a vertex is of a solid.
+    pub(super) fn is_solid(&self, vertex: u32) -> bool {
+        self.of_vertex[vertex as usize].is_none()
     }
 
     /// The same for vertices in another order.
     pub(super) fn reorder(&mut self, order: &Order) {
         let old = order.old_of_new().iter();
         self.of_vertex = old.map(|&old| self.of_vertex[old as usize]).collect();
+        for solid in &mut self.solids {
+            for corners in &mut solid.tetrahedra {
+                *corners = order.renumber(*corners);
+            }
+        }
     }
 
     /// The stiffness k of springs (N/m) at a vertex, or the membrane modulus (N/m) if that is given in its place; 0 for
-    /// hard constraints, which have none.
+    /// hard constraints and solids, which have none.
     pub(super) fn stiffness(&self, vertex: usize) -> Result<Real, BenchError> {
-        let settings = &self.settings[self.of_vertex[vertex]];
+        let Some(place) = self.of_vertex[vertex] else {
+            return Ok(0.0);
+        };
+        let settings = &self.settings[place];
         if cloth::is_hard(settings)? {
             return Ok(0.0);
         }
@@ -71,7 +94,7 @@ impl Material {
         for (place, settings) in self.settings.iter().enumerate() {
             let numbered = (0u32..).zip(mesh.triangles());
             let own = numbered.filter(|(triangle, corners)| {
-                self.of_vertex[corners[0] as usize] == place && is_wanted(*triangle as usize)
+                self.of_vertex[corners[0] as usize] == Some(place) && is_wanted(*triangle as usize)
             });
             let triangles: Vec<u32> = own.map(|(triangle, _)| triangle).collect();
             if !triangles.is_empty() {
@@ -82,11 +105,13 @@ impl Material {
                 });
             }
         }
-        let mut model = ClothModel::of_pieces(mesh, &pieces)
+        let mut model = ClothModel::of_pieces(mesh, &pieces, &self.solids)
             .map_err(|error| self.settings[0].blame(&self.own, error))?;
         let is_hard = self.settings.iter().map(cloth::is_hard);
         let is_hard: Vec<bool> = is_hard.collect::<Result<_, _>>()?;
-        cloth::harden(&mut model, |vertex| is_hard[self.of_vertex[vertex]]);
+        cloth::harden(&mut model, |vertex| {
+            self.of_vertex[vertex].is_some_and(|place| is_hard[place])
+        });
         Ok(model)
     }
 }

@@ -1,51 +1,116 @@
-//! `[[mesh]]`: the pieces of the cloth, each in its place.
+//! `[[mesh]]`: the pieces of the cloth and its solids, each in its place.
 
 use super::document::Section;
-use super::keys::{Piece, Source};
+use super::keys::{Piece, SolidTable, Source};
 use crate::error::BenchError;
 use crate::mesh_spec;
 use crate::scene::loose::coincident;
 use crate::settings::Factors;
+use cloth_core::cloth::{Solid, SolidPiece};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::{MeshError, TriMesh, generate, io};
+use cloth_core::mesh::{MeshError, TetMesh, TriMesh, generate, gmsh, io};
 use cloth_core::topology::EdgeTable;
 use nalgebra::Rotation3;
 use std::path::Path;
 
-/// All pieces as one mesh, the number of vertices of each, and whether any of them came from a file.
+/// All pieces as one mesh.
+pub(super) struct Joined {
+    pub(super) mesh: TriMesh,
+    /// The number of vertices of each piece.
+    pub(super) counts: Vec<usize>,
+    /// Of each piece, what is inside, if it is a solid.
+    pub(super) solids: Vec<Option<SolidPiece>>,
+    /// Whether any of them came from a file.
+    pub(super) from_file: bool,
+}
+
+/// The pieces of these tables, and what each of them says of its solid.
 pub(super) fn joined(
     sections: &[Section<'_>],
+    solids: &[Option<Section<'_>>],
     folder: &Path,
-) -> Result<(TriMesh, Vec<usize>, bool), BenchError> {
-    let mut pieces = Vec::new();
+) -> Result<Joined, BenchError> {
+    let (mut pieces, mut inside, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     let mut from_file = false;
-    for section in sections {
+    for (section, solid) in sections.iter().zip(solids) {
         from_file |= section.read::<Source>()?.file.is_some();
-        pieces.push(piece(section, folder)?);
-    }
-    let counts = pieces.iter().map(TriMesh::vertex_count).collect();
-    match (pieces.pop(), pieces.is_empty()) {
-        (Some(only), true) => Ok((only, counts, from_file)),
-        (last, _) => {
-            pieces.extend(last);
-            let joined = generate::join(&pieces).map_err(BenchError::usage)?;
-            Ok((joined, counts, from_file))
+        let (mesh, mut tetrahedra) = piece(section, solid.is_some(), folder)?;
+        let first: usize = counts.iter().sum();
+        for corner in tetrahedra.as_flattened_mut() {
+            *corner += first as u32;
         }
+        counts.push(mesh.vertex_count());
+        pieces.push(mesh);
+        let material = solid.as_ref().map(material).transpose()?;
+        inside.push(material.map(|solid| SolidPiece { solid, tetrahedra }));
     }
+    let mesh = match pieces.pop() {
+        Some(only) if pieces.is_empty() => only,
+        last => {
+            pieces.extend(last);
+            generate::join(&pieces).map_err(BenchError::usage)?
+        }
+    };
+    Ok(Joined {
+        mesh,
+        counts,
+        solids: inside,
+        from_file,
+    })
+}
+
+fn material(section: &Section<'_>) -> Result<Solid, BenchError> {
+    let own = section.read::<SolidTable>()?;
+    Ok(Solid {
+        density: *own.density,
+        modulus: *own.modulus,
+        poisson_ratio: *own.poisson,
+    })
 }
 
 /// The file or the generated mesh of a table, with its scale.
 pub(super) fn scaled(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
+    source(section, false, folder).map(|(mesh, _)| mesh)
+}
+
+/// The same, with the tetrahedra of a solid.
+fn source(
+    section: &Section<'_>,
+    is_solid: bool,
+    folder: &Path,
+) -> Result<(TriMesh, Vec<[u32; 4]>), BenchError> {
     let own = section.read::<Source>()?;
-    let mesh = match (own.file.as_deref(), own.generator.as_deref()) {
+    let needs = if is_solid {
+        "a solid is made of tetrahedra: block:NxMxK, ball:N or a file of Gmsh, .msh"
+    } else {
+        "tetrahedra are for a [[mesh]] with [mesh.solid] below it"
+    };
+    let (mesh, tetrahedra) = match (own.file.as_deref(), own.generator.as_deref()) {
         (Some(file), None) => {
-            io::read(&folder.join(file)).map_err(|error| own.file.refuse(error))?
+            let path = folder.join(file);
+            if path.extension().is_some_and(|kind| kind == "msh") != is_solid {
+                return Err(own.file.refuse(needs));
+            }
+            let read = match is_solid {
+                true => gmsh::read(&path).map(TetMesh::into_parts),
+                false => io::read(&path).map(|mesh| (mesh, Vec::new())),
+            };
+            read.map_err(|error| own.file.refuse(error))?
         }
         (None, Some(spec)) if mesh_spec::is_file(spec) => {
             let message = format!("`{spec}` is no generator; a file goes under the key `file`");
             return Err(own.generator.refuse(message));
         }
-        (None, Some(spec)) => mesh_spec::load(spec).map_err(|error| own.generator.refuse(error))?,
+        (None, Some(spec)) => {
+            if mesh_spec::is_solid(spec) != is_solid {
+                return Err(own.generator.refuse(needs));
+            }
+            let made = match is_solid {
+                true => mesh_spec::solid(spec).map(TetMesh::into_parts),
+                false => mesh_spec::load(spec).map(|mesh| (mesh, Vec::new())),
+            };
+            made.map_err(|error| own.generator.refuse(error))?
+        }
         (None, None) => return Err(section.refuse_table("needs a file or a generator")),
         (Some(_), Some(_)) => {
             return Err(own
@@ -55,11 +120,12 @@ pub(super) fn scaled(section: &Section<'_>, folder: &Path) -> Result<TriMesh, Be
     };
     // What is not given changes no bit.
     let Some(Factors(factors)) = *own.scale else {
-        return Ok(mesh);
+        return Ok((mesh, tetrahedra));
     };
     let scaled = mesh.positions().iter().map(|x| x.component_mul(&factors));
-    let scaled = TriMesh::new(scaled.collect(), mesh.triangles().to_vec());
-    scaled.map_err(|error| section.refuse_table(error))
+    let scaled = mesh.moved(scaled.collect());
+    let scaled = scaled.map_err(|error| section.refuse_table(error))?;
+    Ok((scaled, tetrahedra))
 }
 
 /// The mesh in which vertices no farther than `distance` (m) from each other are one.
@@ -83,9 +149,18 @@ fn welded(mesh: &TriMesh, distance: Real) -> Result<TriMesh, MeshError> {
     EdgeTable::build(&welded).map(|_| welded)
 }
 
-fn piece(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
-    let mesh = scaled(section, folder)?;
+fn piece(
+    section: &Section<'_>,
+    is_solid: bool,
+    folder: &Path,
+) -> Result<(TriMesh, Vec<[u32; 4]>), BenchError> {
+    let (mesh, tetrahedra) = source(section, is_solid, folder)?;
     let own = section.read::<Piece>()?;
+    if is_solid {
+        own.weld.refuse_given("for a solid")?;
+        own.pressure.refuse_given("for a solid")?;
+        own.bulk_modulus.refuse_given("for a solid")?;
+    }
     let mesh = match *own.weld {
         Some(distance) => welded(&mesh, distance).map_err(|error| own.weld.refuse(error))?,
         None => mesh,
@@ -98,5 +173,7 @@ fn piece(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
     if let Some(shift) = *own.translate {
         positions.iter_mut().for_each(|x: &mut Vec3| *x += shift);
     }
-    TriMesh::new(positions, mesh.triangles().to_vec()).map_err(|error| section.refuse_table(error))
+    let mesh = mesh.moved(positions);
+    let mesh = mesh.map_err(|error| section.refuse_table(error))?;
+    Ok((mesh, tetrahedra))
 }

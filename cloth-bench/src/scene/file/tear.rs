@@ -81,15 +81,18 @@ pub(super) fn tears(
             (None, Some(ends)) => (Place::Line(ends), own.line.bare()),
             _ => return Err(section.refuse_table("a tear needs a box or a line")),
         };
-        timed.push((own.time(section)?, place, (section, key)));
+        timed.push((own.time(section)?, place, key));
     }
     timed.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut is_left = vec![true; mesh.triangles().len()];
     let mut changes = Vec::new();
-    for (time, place, (section, key)) in timed {
+    for (time, place, key) in timed {
         let mut count = 0;
         for (left, corners) in is_left.iter_mut().zip(mesh.triangles()) {
             if *left && place.has(gather(mesh.positions(), *corners)) {
+                if material.is_solid(corners[0]) {
+                    return Err(key.refuse("a solid is there, which cannot be torn"));
+                }
                 *left = false;
                 count += 1;
             }
@@ -106,8 +109,7 @@ pub(super) fn tears(
         let kept = mesh.triangles().iter().zip(&is_left);
         let kept: Vec<[u32; 3]> = kept.filter(|(_, left)| **left).map(|(t, _)| *t).collect();
         refuse_lonely(&key, &kept, mesh)?;
-        let rest = TriMesh::new(mesh.positions().to_vec(), kept);
-        let rest = rest.map_err(|error| section.refuse_table(error))?;
+        let rest = mesh.with_triangles(kept);
         let model = material.cut(mesh, |triangle| is_left[triangle])?;
         let (gases, volumes) = gas::left(inside, &is_left);
         changes.push(Change {
@@ -123,15 +125,16 @@ pub(super) fn tears(
     Ok(changes)
 }
 
-/// Refuses to leave a vertex without any triangle.
+/// Refuses to leave a vertex without any triangle that had one.
 fn refuse_lonely(key: &Setting<()>, kept: &[[u32; 3]], mesh: &TriMesh) -> Result<(), BenchError> {
     let mut has_triangle = vec![false; mesh.vertex_count()];
     for vertex in kept.iter().flatten() {
         has_triangle[*vertex as usize] = true;
     }
-    let lonely = has_triangle.iter().position(|has| !has);
+    let mut all = mesh.triangles().iter().flatten();
+    let lonely = all.find(|vertex| !has_triangle[**vertex as usize]);
     lonely.map_or(Ok(()), |vertex| {
-        let x = mesh.positions()[vertex];
+        let x = mesh.positions()[*vertex as usize];
         let message = format!(
             "the vertex at ({}, {}, {}) m would be left without a triangle: choose another {}",
             x.x,

@@ -48,8 +48,13 @@ pub fn without_triangles(
 /// number would not fit.
 pub fn join(pieces: &[TriMesh]) -> Result<TriMesh, MeshError> {
     let limit = u32::MAX as usize / 3;
-    // A vertex belongs to a triangle and a triangle has three, so this bounds the vertices too.
-    let count = pieces.iter().map(TriMesh::triangle_count).sum();
+    // Vertices of sheets are in triangles, three in each; those inside of solids are in none.
+    let [mut count, mut vertices] = [0; 2];
+    for piece in pieces {
+        count += piece.triangle_count();
+        vertices += piece.vertex_count();
+    }
+    let count = count.max(vertices / 3);
     if count > limit {
         return Err(MeshError::TooManyTriangles { count, limit });
     }
@@ -60,5 +65,8 @@ pub fn join(pieces: &[TriMesh]) -> Result<TriMesh, MeshError> {
         positions.extend_from_slice(piece.positions());
         triangles.extend(piece.triangles().iter().map(|t| t.map(|v| v + base)));
     }
-    TriMesh::new(positions, triangles)
+    if triangles.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    Ok(TriMesh::unchecked(positions, triangles))
 }

@@ -214,7 +214,7 @@ pub fn sphere(n: usize, radius: Real) -> Result<TriMesh, MeshError> {
 }
 
 /// Twelve vertices in three golden rectangles, twenty triangles wound outward.
-fn icosahedron() -> Result<TriMesh, MeshError> {
+pub(super) fn icosahedron() -> Result<TriMesh, MeshError> {
     let g = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut positions = Vec::with_capacity(12);
     for [s, t] in [[-1.0, g], [1.0, g], [-1.0, -g], [1.0, -g]] {
