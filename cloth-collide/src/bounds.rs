@@ -30,6 +30,15 @@ impl Bounds {
         bounds
     }
 
+    /// The box around some of the vertices at `x` (m), of which there is at least one.
+    pub(crate) fn of_vertices(vertices: &[u32], x: &[Vec3]) -> Self {
+        let first = Self::around([x[vertices[0] as usize]]);
+        vertices.iter().fold(first, |bounds, &v| Self {
+            lower: bounds.lower.inf(&x[v as usize]),
+            upper: bounds.upper.sup(&x[v as usize]),
+        })
+    }
+
     /// The largest coordinate of a corner, in size (m).
     pub(crate) fn size(&self) -> Real {
         self.lower.amax().max(self.upper.amax())

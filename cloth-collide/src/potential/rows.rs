@@ -272,7 +272,7 @@ impl Contacts {
             let last = place.map(|[list, index]| &last[list as usize][index as usize]);
             Row::add(rows, pair, last, near, step, (to, travel, reach)) - pair.range
         };
-        patches.look(near, [step.from, to], begins, &mut rows.rows, visit)
+        patches.detect_for_substep(near, [step.from, to], begins, &mut rows.rows, visit)
     }
 
     /// How many pairs do not keep their distances on the path to `x` (m); nothing if the path is too long to say.
@@ -356,10 +356,8 @@ impl Contacts {
                 .rebounds(&substep, rebounds.least(near), x, &mut rebounds.list);
         }
         if rows.rows.iter().all(Vec::is_empty) && rows.bodies.len() == 0 {
-            let relative = rows
-                .patches
-                .as_mut()
-                .map_or(Some(Real::INFINITY), Patches::margin);
+            let patches = rows.patches.as_ref();
+            let relative = patches.map_or(Some(Real::INFINITY), Patches::margin);
             let whole = rows.bodies.margin(&substep, x);
             // A body that nothing holds may set out in the next substep.
             let is_alone = self.free.list.is_empty();
