@@ -5,7 +5,7 @@
 //!
 //! **Obstacles** are functions: the signed distance φ(x) of a point from a surface. A vertex is kept out by one
 //! inequality, φ(x) ≥ h, whatever the shape and however it moves. [`obstacle`] has the shapes, the search for the first
-//! contact on a path, the law of pressure, and impulses with friction and restitution. (φ is this distance on all
+//! contact on a path, and the law of pressure. (φ is this distance on all
 //! pages; ψ is the energy of contact.)
 //!
 //! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Of n² of them a *broad phase* leaves
@@ -101,7 +101,7 @@
 //! - A floor alone, far from any fold: an element with a penalty on the vertices
 //!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
 //! - Bouncing with methods that minimise: [restitution](potential::PotentialBuilder::restitution) is for those that
-//!   project positions, and [`ImpactLaw`](obstacle::ImpactLaw) for single points.
+//!   project positions.
 //! - Layers in their tens at rest: forces travel through a stack one layer an iteration, and methods cut short at a
 //!   fixed number of iterations leave them out of balance.
 //! - A start that crosses: [`untangle`] first, or let a run do it.
@@ -180,7 +180,7 @@
 //! | `ccd/advance.rs`, `ccd/advance/`, `ccd/number.rs` | the walk through time, in `f64` and in numbers of twice the digits |
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
-//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `surface_only`, `shifted`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`, `impact`; `sweep`; `error` |
+//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `surface_only`, `shifted`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`; `sweep`; `error` |
 //! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `obstacle_contact`, `near_pairs`, `sleeping`, `patches`, `quiet`, `filter`; `row`, `rows`, `bodies`, `tangent`, `rebound`; `surfaces`, `free`, `stops`; `last_resort`, `zones`; `source`, `forces`, `report`, `sewn`, `let_go`, `pinched`, `builder` |
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back`, `during` |
 //! | `broad_phase.rs`, `broad_phase/hierarchy.rs` | what a broad phase is; the tree of boxes |

@@ -18,8 +18,7 @@
 //! - A pair is known by its vertices. Where a contact passes on to the next triangle, u begins at 0 there.
 //! - The constraints of `row` and `bodies` take the λ of the sweep instead, and the same memory of u.
 
-use super::tangent::across;
-use crate::obstacle::hold;
+use super::tangent::{across, clamp_to_friction_cone};
 use crate::pair::{Pair, weighted};
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Real, Vec3};
@@ -127,10 +126,12 @@ impl Stretched {
     pub(super) fn replace(&mut self, all: &[Sticking], reach: Real, x: &[Vec3]) {
         std::mem::swap(&mut self.displacements, &mut self.before);
         self.displacements.clear();
-        self.displacements.extend(
-            all.iter()
-                .map(|sticking| (sticking.key, hold(sticking.displacement(x), reach))),
-        );
+        self.displacements.extend(all.iter().map(|sticking| {
+            (
+                sticking.key,
+                clamp_to_friction_cone(sticking.displacement(x), reach),
+            )
+        }));
         self.displacements.sort_unstable_by_key(|entry| entry.0);
     }
 

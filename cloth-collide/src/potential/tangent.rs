@@ -1,7 +1,7 @@
 //! What one row makes of the law of contact and of that of friction.
 
 use super::rows::LEAST;
-use crate::obstacle::{Distance, PenaltyLaw, hold};
+use crate::obstacle::{Distance, PenaltyLaw};
 use cloth_core::math::{Real, Vec3};
 
 /// The tangent of a contact law at a distance: the force (N) is `stiffness` (N/m) times what is missing to `range` (m).
@@ -35,6 +35,11 @@ impl Tangent {
 #[inline]
 pub(super) fn across(v: Vec3, normal: Vec3) -> Vec3 {
     v - normal * normal.dot(&v)
+}
+
+/// A force or displacement along the surface that is not larger than `most`.
+pub(super) fn clamp_to_friction_cone(tangential: Vec3, most: Real) -> Vec3 {
+    tangential * (most / tangential.norm()).min(1.0)
 }
 
 /// A unilateral constraint in a substep, C = d − d̂ ≥ 0 for a distance d, and what it has pushed with so far.
@@ -78,7 +83,7 @@ impl RowState {
         if self.coefficient > 0.0 {
             let slip = across(point - self.origin, at.normal);
             let most = self.coefficient * lambda * at.slope;
-            let held = hold(self.friction - slip / ease, most);
+            let held = clamp_to_friction_cone(self.friction - slip / ease, most);
             push += held - self.friction;
             self.friction = held;
         }
@@ -89,7 +94,7 @@ impl RowState {
     /// what is more is slip. Nothing without a force λ.
     pub(super) fn stretch(&self, point: Vec3, normal: Vec3, reach: Real) -> Vec3 {
         if self.lambda > 0.0 {
-            hold(across(point - self.origin, normal), reach)
+            clamp_to_friction_cone(across(point - self.origin, normal), reach)
         } else {
             Vec3::zeros()
         }
