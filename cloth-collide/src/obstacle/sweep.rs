@@ -1,4 +1,4 @@
-//! When does a vertex on its path meet an obstacle that moves?
+//! The first contact of a vertex on its path with an obstacle that moves.
 
 use super::{Distance, Obstacle};
 use cloth_core::math::{Real, Vec3};

@@ -1,11 +1,11 @@
 //! Vertices before bodies, as constraints whose distance is evaluated in every sweep.
 
+use super::constraints::{KEPT, LEAST, SLACK};
 use super::forces::Ledger;
 use super::friction::ALONE;
 use super::near::Near;
 use super::rebound::Rebound;
-use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{RowState, Tangent};
+use super::tangent::{ConstraintState, Tangent};
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
@@ -35,21 +35,21 @@ impl<'a> Substep<'a> {
         }
     }
 
-    fn body(&self, row: &Row) -> &'a Obstacle {
-        &self.bodies[row.body as usize].0
+    fn body(&self, constraint: &BodyConstraint) -> &'a Obstacle {
+        &self.bodies[constraint.body as usize].0
     }
 }
 
 /// A vertex that can touch a body in this substep.
 #[derive(Clone, Copy, Debug, Default)]
-struct Row {
+struct BodyConstraint {
     vertex: u32,
     body: u32,
     /// At the start of the substep (m).
     distance: Real,
     /// h (m).
     thickness: Real,
-    state: RowState,
+    state: ConstraintState,
     is_violated: bool,
     /// That of the last visit, and the push (kg m) along those of all visits.
     normal: Vec3,
@@ -61,17 +61,17 @@ struct Row {
 /// All vertices and bodies.
 #[derive(Debug, Default)]
 pub(super) struct Bodies {
-    rows: Vec<Row>,
+    constraints: Vec<BodyConstraint>,
     /// Of each body and each vertex: a lower bound of its distance (m) where it was at `places` (m), with the body
     /// where it is at the start of the substep.
-    rooms: Vec<Real>,
+    bounds: Vec<Real>,
     places: Vec<Vec3>,
-    /// By how much friction has been stretched there (m).
-    stretches: Vec<Vec3>,
-    /// Whether the approach of rows is wanted.
+    /// Tangential displacement there (m).
+    tangential_displacements: Vec<Vec3>,
+    /// Whether the approach of constraints is wanted.
     pub(super) measures_approach: bool,
-    /// Whether a vertex has a row for a body.
-    has_row: Vec<bool>,
+    /// Whether a vertex has a constraint for a body.
+    has_constraint: Vec<bool>,
 }
 
 /// How far a body can go at `x` (m) in `dt` (s).
@@ -86,46 +86,46 @@ fn displacement_of(body: &Obstacle, x: Vec3, dt: Real) -> Real {
 
 impl Bodies {
     pub(super) fn len(&self) -> usize {
-        self.rows.len()
+        self.constraints.len()
     }
 
     /// Forgets all that is known of distances and friction.
     pub(super) fn forget(&mut self, vertices: usize, bodies: usize) {
-        self.rows.clear();
+        self.constraints.clear();
         let count = vertices * bodies;
-        self.rooms.clear();
-        self.rooms.resize(count, Real::NEG_INFINITY);
+        self.bounds.clear();
+        self.bounds.resize(count, Real::NEG_INFINITY);
         self.places.clear();
         self.places.resize(count, Vec3::zeros());
-        self.stretches.clear();
-        self.stretches.resize(count, Vec3::zeros());
-        self.has_row.clear();
-        self.has_row.resize(count, false);
+        self.tangential_displacements.clear();
+        self.tangential_displacements.resize(count, Vec3::zeros());
+        self.has_constraint.clear();
+        self.has_constraint.resize(count, false);
     }
 
-    /// Begins a substep: rows for the vertices that can touch a body on their path to `to` (m).
+    /// Begins a substep: constraints for the vertices that can touch a body on their path to `to` (m).
     pub(super) fn begin(&mut self, substep: &Substep<'_>, to: &[Vec3]) {
-        self.rows.clear();
-        self.has_row.fill(false);
+        self.constraints.clear();
+        self.has_constraint.fill(false);
         let reach = substep.near.law.range() * (1.0 + SLACK);
-        self.each_near(substep, to, reach, |list, index, row| {
-            row.set_law(substep);
-            row.state.origin -= list.stretches[index];
-            list.has_row[index] = true;
-            list.rows.push(*row);
+        self.each_near(substep, to, reach, |list, index, constraint| {
+            constraint.set_law(substep);
+            constraint.state.origin -= list.tangential_displacements[index];
+            list.has_constraint[index] = true;
+            list.constraints.push(*constraint);
         });
     }
 
-    /// Hands `visit` each vertex without a row that can come as near as `reach` (m) to a body, with its index.
+    /// Hands `visit` each vertex without a constraint that can come as near as `reach` (m) to a body, with its index.
     fn each_near(
         &mut self,
         Substep { near, bodies, step }: &Substep<'_>,
         to: &[Vec3],
         reach: Real,
-        mut visit: impl FnMut(&mut Self, usize, &mut Row),
+        mut visit: impl FnMut(&mut Self, usize, &mut BodyConstraint),
     ) {
         for (number, (body, _)) in bodies.iter().enumerate() {
-            let (stretch, is_still) = (body.shape().lipschitz(), body.motion().is_still());
+            let (lipschitz, is_still) = (body.shape().lipschitz(), body.motion().is_still());
             let first = number * step.from.len();
             for (vertex, (from, to)) in step.from.iter().zip(to).enumerate() {
                 let index = first + vertex;
@@ -138,23 +138,23 @@ impl Bodies {
                 let displacement = (from - place)
                     .norm_squared()
                     .max((to - place).norm_squared());
-                let left = (self.rooms[index] - reach) / stretch - of_body;
+                let left = (self.bounds[index] - reach) / lipschitz - of_body;
                 let is_far = left >= 0.0 && displacement <= left * left;
-                if is_far || self.has_row[index] || step.inverse_mass[vertex] == 0.0 {
+                if is_far || self.has_constraint[index] || step.inverse_mass[vertex] == 0.0 {
                     continue;
                 }
                 if near.pinched.passes(vertex, number) {
                     continue;
                 }
                 let at = body.signed_distance(*from, 0.0);
-                (self.rooms[index], self.places[index]) = (at.value, *from);
-                if at.value - stretch * ((to - from).norm() + of_body) >= reach {
-                    self.stretches[index] = Vec3::zeros();
+                (self.bounds[index], self.places[index]) = (at.value, *from);
+                if at.value - lipschitz * ((to - from).norm() + of_body) >= reach {
+                    self.tangential_displacements[index] = Vec3::zeros();
                     continue;
                 }
                 let motion = body.motion();
                 let local = motion.pose.to_local(*from);
-                let mut row = Row {
+                let mut constraint = BodyConstraint {
                     vertex: vertex as u32,
                     body: number as u32,
                     distance: at.value,
@@ -163,10 +163,10 @@ impl Bodies {
                         true => at.value - body.signed_distance(*to, step.dt).value,
                         false => 0.0,
                     },
-                    ..Row::default()
+                    ..BodyConstraint::default()
                 };
-                row.state.origin = motion.pose_at(step.dt).to_world(local);
-                visit(self, index, &mut row);
+                constraint.state.origin = motion.pose_at(step.dt).to_world(local);
+                visit(self, index, &mut constraint);
             }
         }
     }
@@ -183,9 +183,9 @@ impl Bodies {
             let first = number * substep.near.cloth;
             for (vertex, (x, w)) in x.iter().zip(substep.step.inverse_mass).enumerate() {
                 if *w > 0.0 {
-                    let room = self.rooms[first + vertex] - h * (1.0 + SLACK);
+                    let bound = self.bounds[first + vertex] - h * (1.0 + SLACK);
                     let displacement = (x - self.places[first + vertex]).norm();
-                    least = least.min(room / body.shape().lipschitz() - displacement);
+                    least = least.min(bound / body.shape().lipschitz() - displacement);
                 }
             }
         }
@@ -194,57 +194,73 @@ impl Bodies {
 
     /// Projects each vertex out of the bodies, where they are at the end of the substep.
     pub(super) fn sweep(&mut self, substep: &Substep<'_>, x: &mut [Vec3]) {
-        for row in &mut self.rows {
-            let v = row.vertex as usize;
-            let at = substep.body(row).signed_distance(x[v], substep.step.dt);
-            let (ease, before) = (substep.step.inverse_mass[v], row.state.lambda);
-            if let Some(push) = row.state.project(&at, x[v], ease) {
-                row.normal = at.normal;
-                row.pressure += at.gradient() * (row.state.lambda - before);
-                x[v] += push * ease;
+        for constraint in &mut self.constraints {
+            let v = constraint.vertex as usize;
+            let at = substep
+                .body(constraint)
+                .signed_distance(x[v], substep.step.dt);
+            let (inverse_effective_mass, before) =
+                (substep.step.inverse_mass[v], constraint.state.lambda);
+            if let Some(push) = constraint.state.project(&at, x[v], inverse_effective_mass) {
+                constraint.normal = at.normal;
+                constraint.pressure += at.gradient() * (constraint.state.lambda - before);
+                x[v] += push * inverse_effective_mass;
             }
         }
     }
 
-    /// How many vertices come too near on their path to `x` (m); those get rows.
+    /// How many vertices come too near on their path to `x` (m); those get constraints.
     pub(super) fn violations(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> u32 {
         let reach = KEPT * substep.near.law.range();
-        self.each_near(substep, x, reach, |list, index, row| {
-            if !row.is_safe(substep, x) {
-                row.set_law(substep);
-                list.has_row[index] = true;
-                list.rows.push(*row);
+        self.each_near(substep, x, reach, |list, index, constraint| {
+            if !constraint.is_safe(substep, x) {
+                constraint.set_law(substep);
+                list.has_constraint[index] = true;
+                list.constraints.push(*constraint);
             }
         });
         let mut count = 0;
-        for row in &mut self.rows {
-            row.is_violated = !row.is_safe(substep, x);
-            count += u32::from(row.is_violated);
+        for constraint in &mut self.constraints {
+            constraint.is_violated = !constraint.is_safe(substep, x);
+            count += u32::from(constraint.is_violated);
         }
         count
     }
 
     /// The vertices that have come too near.
     pub(super) fn violated(&self) -> impl Iterator<Item = u32> + '_ {
-        let rows = self.rows.iter().filter(|row| row.is_violated);
-        rows.map(|row| row.vertex)
+        let constraints = self
+            .constraints
+            .iter()
+            .filter(|constraint| constraint.is_violated);
+        constraints.map(|constraint| constraint.vertex)
     }
 
-    /// Rows of those, on the way to `x` (m), give in no more.
+    /// Constraints of those, on the way to `x` (m), give in no more.
     pub(super) fn harden(&mut self, substep: &Substep<'_>, x: &[Vec3]) {
-        for row in self.rows.iter_mut().filter(|row| row.is_violated) {
+        for constraint in self
+            .constraints
+            .iter_mut()
+            .filter(|constraint| constraint.is_violated)
+        {
             let at = substep
-                .body(row)
-                .signed_distance(x[row.vertex as usize], substep.step.dt);
-            row.state
-                .harden(row.distance, LEAST * row.thickness, at.value);
+                .body(constraint)
+                .signed_distance(x[constraint.vertex as usize], substep.step.dt);
+            constraint
+                .state
+                .harden(constraint.distance, LEAST * constraint.thickness, at.value);
         }
     }
 
     /// What is inside comes out in this substep, not in as many as its law would take.
     pub(super) fn lead_out(&mut self) {
-        for row in self.rows.iter_mut().filter(|row| row.distance <= 0.0) {
-            (row.state.compliance, row.state.range) = (0.0, LEAST * row.thickness);
+        for constraint in self
+            .constraints
+            .iter_mut()
+            .filter(|constraint| constraint.distance <= 0.0)
+        {
+            (constraint.state.compliance, constraint.state.range) =
+                (0.0, LEAST * constraint.thickness);
         }
     }
 
@@ -255,18 +271,22 @@ impl Bodies {
         for (number, (body, _)) in bodies.iter().enumerate() {
             if !body.motion().is_still() {
                 let first = number * step.from.len();
-                for (room, from) in self.rooms[first..].iter_mut().zip(step.from) {
-                    *room -= displacement_of(body, *from, step.dt) * body.shape().lipschitz();
+                for (bound, from) in self.bounds[first..].iter_mut().zip(step.from) {
+                    *bound -= displacement_of(body, *from, step.dt) * body.shape().lipschitz();
                 }
             }
         }
         let mut work = 0.0;
-        for row in &self.rows {
-            let v = row.vertex as usize;
-            let index = row.body as usize * step.from.len() + v;
-            self.stretches[index] = row.state.stretch(x[v], row.normal, reach);
-            let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
-            work += impulse.dot(&substep.body(row).motion().velocity_at(x[v], step.dt));
+        for constraint in &self.constraints {
+            let v = constraint.vertex as usize;
+            let index = constraint.body as usize * step.from.len() + v;
+            self.tangential_displacements[index] =
+                constraint
+                    .state
+                    .tangential_displacement(x[v], constraint.normal, reach);
+            let impulse =
+                (constraint.normal * constraint.state.lambda + constraint.state.friction) / step.dt;
+            work += impulse.dot(&substep.body(constraint).motion().velocity_at(x[v], step.dt));
         }
         work
     }
@@ -281,55 +301,67 @@ impl Bodies {
         out: &mut Vec<Rebound>,
     ) {
         let step = &substep.step;
-        let touching = self.rows.iter().filter(|row| row.state.lambda > 0.0);
-        for row in touching.filter(|row| row.approach.abs() > least) {
-            let v = row.vertex as usize;
+        let touching = self
+            .constraints
+            .iter()
+            .filter(|constraint| constraint.state.lambda > 0.0);
+        for constraint in touching.filter(|constraint| constraint.approach.abs() > least) {
+            let v = constraint.vertex as usize;
             out.push(Rebound {
-                vertices: [row.vertex; 4],
+                vertices: [constraint.vertex; 4],
                 weights: ALONE,
-                normal: row.normal,
+                normal: constraint.normal,
                 inverse_mass: [step.inverse_mass[v]; 4],
-                ease: step.inverse_mass[v],
-                approach: row.approach / step.dt,
-                of_body: -row
+                inverse_effective_mass: step.inverse_mass[v],
+                approach: constraint.approach / step.dt,
+                of_body: -constraint
                     .normal
-                    .dot(&substep.body(row).motion().velocity_at(x[v], step.dt)),
+                    .dot(&substep.body(constraint).motion().velocity_at(x[v], step.dt)),
             });
         }
     }
 
     /// Hands `visit` the vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
     pub(super) fn each_impulse(&self, number: usize, dt: Real, mut visit: impl FnMut(usize, Vec3)) {
-        for row in self.rows.iter().filter(|row| row.body as usize == number) {
-            let impulse = (row.pressure + row.state.friction) / dt;
-            visit(row.vertex as usize, impulse);
+        for constraint in self
+            .constraints
+            .iter()
+            .filter(|constraint| constraint.body as usize == number)
+        {
+            let impulse = (constraint.pressure + constraint.state.friction) / dt;
+            visit(constraint.vertex as usize, impulse);
         }
     }
 
     /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.
     pub(super) fn record(&self, substep: &Substep<'_>, x: &[Vec3], ledger: &mut Ledger) {
         let dt = substep.step.dt;
-        for row in &self.rows {
-            let (v, number) = (row.vertex as usize, row.body as usize);
-            let arm = x[v] - substep.body(row).motion().pose_at(dt).position;
-            let impulses = [row.pressure, row.state.friction].map(|push| push / dt);
+        for constraint in &self.constraints {
+            let (v, number) = (constraint.vertex as usize, constraint.body as usize);
+            let arm = x[v] - substep.body(constraint).motion().pose_at(dt).position;
+            let impulses = [constraint.pressure, constraint.state.friction].map(|push| push / dt);
             ledger.add_obstacle([v, number], impulses, arm);
         }
     }
 
     /// Energy (J) that is stored at `x` (m).
     pub(super) fn energy(&self, bodies: &[Body], near: &Near, x: &[Vec3]) -> Real {
-        let energy = |row: &Row| {
-            let v = row.vertex as usize;
-            let at = bodies[row.body as usize].0.signed_distance(x[v], 0.0);
+        let energy = |constraint: &BodyConstraint| {
+            let v = constraint.vertex as usize;
+            let at = bodies[constraint.body as usize]
+                .0
+                .signed_distance(x[v], 0.0);
             near.vertex_area[v] * near.law_at(v).energy(at.value)
         };
-        let pushing = self.rows.iter().filter(|row| row.state.lambda > 0.0);
+        let pushing = self
+            .constraints
+            .iter()
+            .filter(|constraint| constraint.state.lambda > 0.0);
         pushing.map(energy).sum()
     }
 }
 
-impl Row {
+impl BodyConstraint {
     fn set_law(&mut self, Substep { near, bodies, step }: &Substep<'_>) {
         let (v, (_, friction)) = (self.vertex as usize, &bodies[self.body as usize]);
         let law = near.law_at(v);

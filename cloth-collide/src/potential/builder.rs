@@ -1,8 +1,8 @@
 //! Settings of the contact potential, checked.
 
 use super::bodies::Body;
+use super::excluded::Excluded;
 use super::free::FreeBody;
-use super::let_go::LetGo;
 use super::near::{Near, Own, Side};
 use super::patches::Patches;
 use super::rebound::Rebounds;
@@ -100,7 +100,7 @@ impl<'a> PotentialBuilder<'a> {
     /// of a region with itself is one that does not touch itself. Bodies keep out all.
     #[must_use]
     pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
-        self.own.excluded = LetGo::new(region, pairs);
+        self.own.excluded = Excluded::new(region, pairs);
         self
     }
 
@@ -217,9 +217,9 @@ impl<'a> PotentialBuilder<'a> {
     /// # Errors
     /// [`BuildError::OutOfRange`] for a thickness or stiffness that is not positive and finite, a friction that is
     /// negative or not finite, a restitution outside 0 to 1, thicknesses, frictions or regions of vertices that are not
-    /// as many as these, the surface of an obstacle that there is not, a free one that there is not or that is free
-    /// already, an animation of another number of vertices than its mesh, a sewn vertex that there is not, or vertices
-    /// beyond 2³² together.
+    /// as many as these, the surface of an obstacle with an unknown number, a free one with an unknown number
+    /// or one that is free already, an animation of another number of vertices than its mesh, a sewn vertex beyond those
+    /// of the cloth, or vertices beyond 2³² together.
     /// [`BuildError::SettingsConflict`] for restitution beside a free body.
     pub fn build(mut self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
@@ -274,14 +274,14 @@ impl<'a> PotentialBuilder<'a> {
         let (for_rows, for_paths) = (patches(), patches());
         let mut contacts = Contacts::new(near, self.obstacles);
         contacts.last_resort.mesh = has_pairs.then(|| mesh.clone());
-        contacts.rows.patches = for_rows;
+        contacts.constraints.patches = for_rows;
         contacts.pairs.patches = for_paths;
         contacts.free.list = free;
-        contacts.rows.rebounds = self.restitution.map(|coefficient| Rebounds {
+        contacts.constraints.rebounds = self.restitution.map(|coefficient| Rebounds {
             coefficient,
             list: Vec::new(),
         });
-        contacts.rows.bodies.measures_approach = self.restitution.is_some();
+        contacts.constraints.bodies.measures_approach = self.restitution.is_some();
         let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces, self.time);
         let mut contacts = PotentialContacts { contacts, surfaces };
         contacts.record_forces(false);

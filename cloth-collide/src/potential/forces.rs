@@ -186,7 +186,7 @@ impl Contacts {
             ledger.add_obstacle([v, number], forces, arm(v, number));
         }
         let reach = self.reach();
-        for sticking in &self.sticking {
+        for sticking in &self.friction {
             let friction = -sticking.force(reach, x).0;
             let forces = [Vec3::zeros(), friction];
             match sticking.key {

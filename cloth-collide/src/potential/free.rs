@@ -133,7 +133,7 @@ impl Contacts {
         if self.free.is_led {
             return;
         }
-        let rows = &self.rows;
+        let rows = &self.constraints;
         for free in &mut self.free.list {
             let number = free.number;
             let motion = self.bodies[number].0.motion();

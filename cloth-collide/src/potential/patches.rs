@@ -30,7 +30,7 @@
 //!
 //! Detection between two patches finds all pairs of primitives nearer than h plus a motion bound, and sorts them by
 //! their excess gap d − h. As long as the expression above is less than the bound, the list is complete, and only the
-//! pairs at its beginning, with d − h below the expression, can touch. What two patches do together, move and turn,
+//! pairs at its beginning, with d − h below the expression, can touch. A common motion of two patches
 //! cancels, so cloth that flies or swings as a whole needs no detection: where a sheet falls into hanging, neighbouring
 //! patches turn by far more than they bend. What goes to and fro does not add up.
 //!
@@ -66,8 +66,8 @@ mod frame;
 mod measure;
 mod path;
 
+use super::constraints::SLACK;
 use super::near::Near;
-use super::rows::SLACK;
 use crate::bounds::Bounds;
 use crate::broad_phase::BroadPhase;
 use crate::pair::Pair;
@@ -78,7 +78,7 @@ use detect::PatchQuery;
 use frame::{Four, Group};
 use measure::{Motion, Places};
 
-/// Queries whose rows are in one list.
+/// Queries whose constraints are in one list.
 const QUERIES: usize = 512;
 /// Triangles in a patch, at most.
 const PATCH: usize = 32;
@@ -105,9 +105,9 @@ pub(super) struct NearPair {
     pub(super) pair: Pair,
     /// Travel of the patches (m) at which their nearest points were found; −∞ where these are not known.
     pub(super) known_at: Real,
-    /// The substep in which they got a row last, from 1 on, and where it is: the number of the list, and in it.
+    /// The substep in which they got a constraint last, from 1 on, and where it is: the number of the list, and in it.
     seen: u32,
-    row: [u32; 2],
+    constraint: [u32; 2],
 }
 
 #[derive(Debug, Default)]
@@ -143,7 +143,7 @@ pub(super) struct Patches {
     broad_phase: Box<dyn BroadPhase>,
     pairs: Vec<PatchPair>,
     /// The two patches of each of them; how far they may move (m) from where they are at the start of the substep until
-    /// a pair may touch that has not been asked; and the change (m) that present rows or choices are good for.
+    /// a pair may touch that has not been asked; and the change (m) that present constraints or choices are good for.
     ids: Vec<[u32; 2]>,
     left: Vec<Real>,
     allowed: Vec<Real>,
@@ -152,7 +152,7 @@ pub(super) struct Patches {
     spare: Vec<PatchPair>,
     queries: Vec<PatchQuery>,
     is_known: bool,
-    /// Number of the substep, how many lists of rows it has begun with, and whether anything was asked in it.
+    /// Number of the substep, how many lists of constraints it has begun with, and whether anything was asked in it.
     substep: u32,
     filled: usize,
     has_asked: bool,
@@ -246,22 +246,22 @@ impl Patches {
         Some(0.5 * left.min(known))
     }
 
-    /// Whether a pair has a row of this substep, or of the one before.
-    fn has_row(&self, pair: &NearPair) -> bool {
+    /// Whether a pair has a constraint of this substep, or of the one before.
+    fn has_constraint(&self, pair: &NearPair) -> bool {
         pair.seen > 0 && self.substep - pair.seen <= 1
     }
 
-    /// Number of pairs of patches that are near enough to be looked at.
+    /// Number of pairs of patches that are near enough to be asked.
     #[cfg(test)]
     pub(super) fn count(&self) -> usize {
         self.pairs.len()
     }
 
-    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and adds rows to `lists` of those
+    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and adds constraints to `lists` of those
     /// that the motion can bring into contact: all if the substep `begins`, and what has none yet if the motion has
     /// become another one. Returns false if a path is longer than some edges, which is more than patches allow for.
     ///
-    /// `visit` adds one row to the list that it gets, for a pair, with where its row of the substep before is, if it
+    /// `visit` adds one constraint to the list that it gets, for a pair, with where its constraint of the substep before is, if it
     /// had one, and the travel (m) of its patches; it returns the excess gap of the pair (m).
     pub(super) fn detect_for_substep<T: Send>(
         &mut self,
@@ -350,14 +350,15 @@ impl Patches {
             while let Some((old, _)) = known.next_if(|(old, _)| old.patches < patches) {
                 self.spare.push(old);
             }
-            match known.next_if(|(old, _)| self.is_known && old.patches == patches) {
-                Some((old, still)) => {
+            match known.next_if(|(old, _)| old.patches == patches) {
+                Some((old, still)) if self.is_known => {
                     self.pairs.push(old);
                     left.push(*still);
                 }
-                None => {
-                    let spare = self.spare.pop().unwrap_or_default();
-                    self.pairs.push(spare.of(patches));
+                // What is not known any more leaves lists of the right size.
+                old => {
+                    let old = old.map(|(old, _)| old).or_else(|| self.spare.pop());
+                    self.pairs.push(old.unwrap_or_default().of(patches));
                     left.push(Real::NEG_INFINITY);
                 }
             }

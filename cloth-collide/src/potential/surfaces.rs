@@ -1,12 +1,12 @@
 //! The contact of a cloth with itself, and with bodies whose surfaces are triangles: prescribed vertices behind those
-//! of the cloth, in the same machinery. Why they are needed says the [chapter](super#bodies).
+//! of the cloth, in the same machinery. The [chapter](super#bodies) has why they are needed.
 
 use super::bodies::Body;
 use super::builder::PotentialBuilder;
+use super::constraints::LEADING_SWEEPS;
 use super::forces::{ContactForces, Ledger};
 use super::near::Near;
 use super::report::ConstraintReport;
-use super::rows::LEADING_SWEEPS;
 use super::sewn::Sewn;
 use super::source::Contacts;
 use crate::obstacle::{AnimatedMesh, Pose, RigidMotion};
@@ -31,11 +31,11 @@ const NO_TIME: Real = 1e-12;
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
 /// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside
 /// of bodies, and the triangles around them pass through a body that they cross at the start of a step
-/// ([`PotentialContacts::held_inside`]). The start of a step must be free of crossings; it is if the last step ended
+/// ([`PotentialContacts::prescribed_inside`]). The start of a step must be free of crossings; it is if the last step ended
 /// there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing
 /// ones are [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude
 /// or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and
-/// are let go until they are apart; nor of cloth that crosses a body then, before that body.
+/// are excluded until they are apart; nor of cloth that crosses a body then, before that body.
 ///
 /// # Example
 ///
@@ -109,7 +109,7 @@ pub(super) enum Motion {
     Own(AnimatedMesh, Real),
 }
 
-/// The surfaces, and room for the vertices of everything.
+/// The surfaces, and buffers for the vertices of everything.
 #[derive(Debug)]
 pub(super) struct Surfaces {
     /// Number of vertices of the cloth.
@@ -120,11 +120,11 @@ pub(super) struct Surfaces {
     begun: Real,
     /// 0 for all vertices of bodies (1/kg).
     inverse_mass: Vec<Real>,
-    /// Places (m) at the start and at the end of what is looked at.
+    /// Places (m) at the start and at the end of the path at hand.
     from: Vec<Vec3>,
     to: Vec<Vec3>,
     parts: Vec<Real>,
-    /// The same place with its gradient (N), for who may only look.
+    /// The same place with its gradient (N), for methods that take `&self`.
     shared: Mutex<[Vec<Vec3>; 2]>,
 }
 
@@ -133,7 +133,7 @@ impl Surfaces {
     pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>, time: Real) -> Self {
         let own = list.iter().map(|(mesh, _)| mesh.vertex_count());
         let count = cloth + own.sum::<usize>();
-        let room = || vec![Vec3::zeros(); count];
+        let buffer = || vec![Vec3::zeros(); count];
         let nowhere = |(mesh, motion)| Surface {
             mesh,
             motion,
@@ -145,10 +145,10 @@ impl Surfaces {
             time,
             begun: time,
             inverse_mass: vec![0.0; count],
-            from: room(),
-            to: room(),
+            from: buffer(),
+            to: buffer(),
             parts: vec![1.0; count],
-            shared: Mutex::new([room(), room()]),
+            shared: Mutex::new([buffer(), buffer()]),
         }
     }
 
@@ -256,7 +256,7 @@ impl PotentialContacts {
     /// What the last step took, of a method that projects positions.
     #[must_use]
     pub fn constraint_report(&self) -> ConstraintReport {
-        self.contacts.rows.report
+        self.contacts.constraints.report
     }
 
     /// Whether forces are recorded from the next step on; nothing is spent on them otherwise. They always are where
@@ -283,7 +283,7 @@ impl PotentialContacts {
     }
 
     /// Work (J) in the last step that bodies which the cloth pushes did on it, a part of
-    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and held vertices which
+    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and prescribed vertices which
     /// stop those did on them.
     #[must_use]
     pub fn free_work(&self) -> [Real; 2] {
@@ -304,7 +304,7 @@ impl PotentialContacts {
     /// friction as they were there. The positions of the cloth are the caller's.
     pub fn take_back(&mut self) {
         if !std::mem::replace(&mut self.contacts.is_open, true) {
-            self.contacts.stretched.take_back();
+            self.contacts.tangential.take_back();
         }
     }
 
@@ -316,7 +316,7 @@ impl PotentialContacts {
     }
 
     /// From the next step on these vertices are sewn together, and no others; see
-    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). What has a vertex that there is not is left out.
+    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). What names a vertex beyond those of the cloth is left out.
     pub fn sew(&mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) {
         self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges, self.surfaces.cloth);
         self.contacts.is_anew = true;
@@ -374,8 +374,8 @@ impl PotentialContacts {
     /// The prescribed vertices around which triangles pass through a body, with its number each: obstacles first, then
     /// animated surfaces.
     #[must_use]
-    pub fn held_inside(&self) -> &[[u32; 2]] {
-        self.contacts.near.held.pairs()
+    pub fn prescribed_inside(&self) -> &[[u32; 2]] {
+        self.contacts.near.prescribed_inside.pairs()
     }
 
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
@@ -445,7 +445,7 @@ impl ContactSource for PotentialContacts {
     }
 
     fn truncated_count(&self) -> usize {
-        self.contacts.held
+        self.contacts.truncated
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) struct PatchPair {
     pub(super) pairs: Vec<NearPair>,
     /// The travel (m) from which on each may touch: apart from the pairs, because most of them are only asked for this.
     pub(super) active_from: Vec<Real>,
-    /// Scratch: those of an earlier list that have a row.
+    /// Scratch: those of an earlier list that have a constraint.
     pub(super) known: Vec<NearPair>,
     /// How many of them had an excess gap of less than `next` (m).
     pub(super) first: usize,
@@ -124,7 +124,7 @@ impl<F> Visits<'_, F> {
         &self,
         query: &mut PatchQuery,
         between: &mut PatchPair,
-        (rows, list): (&mut Vec<T>, u32),
+        (constraints, list): (&mut Vec<T>, u32),
     ) where
         F: Fn(&mut Vec<T>, &mut NearPair, Option<[u32; 2]>, Real) -> Real,
     {
@@ -133,10 +133,10 @@ impl<F> Visits<'_, F> {
             let seen = std::mem::replace(&mut pair.seen, self.substep);
             // Once in a substep.
             (seen != self.substep).then(|| {
-                let last = (seen > 0 && seen + 1 == self.substep).then_some(pair.row);
-                let index = rows.len() as u32;
-                let excess = (self.visit)(rows, pair, last, travel);
-                pair.row = [list, index];
+                let last = (seen > 0 && seen + 1 == self.substep).then_some(pair.constraint);
+                let index = constraints.len() as u32;
+                let excess = (self.visit)(constraints, pair, last, travel);
+                pair.constraint = [list, index];
                 excess
             })
         });

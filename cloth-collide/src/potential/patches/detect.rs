@@ -4,8 +4,8 @@ use super::between::PatchPair;
 use super::{LARGEST_BOUND, LEAST_BOUND, MOTIONS, NearPair, PATCH, Patches};
 use crate::bounds::Bounds;
 use crate::pair::{Pair, nearest};
+use crate::potential::constraints::SLACK;
 use crate::potential::near::Near;
-use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::parallel::{join, wide};
 
@@ -102,7 +102,7 @@ impl Patches {
         (pair.first, pair.next) = (0, Real::NEG_INFINITY);
         pair.active_from.clear();
         pair.known.clear();
-        let known = pair.pairs.drain(..).filter(|old| self.has_row(old));
+        let known = pair.pairs.drain(..).filter(|old| self.has_constraint(old));
         pair.known.extend(known);
         let gap = boxes[0].squared_gap(&boxes[1]).sqrt();
         if gap > h + bound {
@@ -122,7 +122,8 @@ impl Patches {
         if !pair.known.is_empty() {
             for found in &mut pair.pairs {
                 if let Ok(old) = pair.known.binary_search_by_key(&found.pair, |old| old.pair) {
-                    (found.seen, found.row) = (pair.known[old].seen, pair.known[old].row);
+                    (found.seen, found.constraint) =
+                        (pair.known[old].seen, pair.known[old].constraint);
                 }
             }
         }
@@ -211,7 +212,7 @@ fn near_pair(
         pair,
         known_at: Real::NEG_INFINITY,
         seen: 0,
-        row: [0; 2],
+        constraint: [0; 2],
     })
 }
 

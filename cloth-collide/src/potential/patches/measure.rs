@@ -64,7 +64,7 @@ impl Motion {
 }
 
 impl Places {
-    /// Of so many patches with so many groups of vertices, which are nowhere yet.
+    /// Of `count` patches with `groups` groups of vertices, which are nowhere yet.
     pub(super) fn new(count: usize, groups: usize) -> Self {
         Self {
             frames: vec![Frame::NOWHERE; count],
