@@ -37,8 +37,8 @@ use cloth_core::math::Real;
 ///
 /// Only the sign of the products n · x_k proves anything, not the way in which n was found. So everything about
 /// rounding is in a few lines, and its allowance is subtracted (`src/ccd/reach.rs` has the proof). Where `f64` cannot
-/// tell near from touching, and d = 0, the walk goes on with double-double numbers (unevaluated sums of two `f64`), which can tell apart what
-/// is further than about 1e-29 of the size of the motion.
+/// tell near from touching, and d = 0, the walk goes on with double-double numbers (unevaluated sums of two `f64`),
+/// which can tell apart what is further than about 1e-29 of the size of the motion.
 ///
 /// # What is promised
 ///

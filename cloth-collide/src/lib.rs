@@ -46,9 +46,10 @@
 //! it is; a substep that projects has to end somewhere, and its *last resort* is vertices that stay where the step
 //! began, which is reported (`truncated_count`). So a step is either free of crossings or refused.
 //!
-//! The naive loops are two examples, each compared with the potential of the crate: `examples/first_program.rs`, the
-//! vertices before a floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets. How the loops of the crate
-//! follow from them stands in [`potential`](potential#from-the-naive-loop-to-this-one).
+//! The naive loops are three examples, each compared with the crate: `examples/first_program.rs`, the vertices before a
+//! floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets; `examples/naive_sweep.rs`, sweeps over
+//! constraints with friction. How the loops of the crate follow from them stands in
+//! [`potential`](potential#from-the-naive-loop-to-this-one).
 //!
 //! # Errors and bad input
 //!
@@ -67,8 +68,8 @@
 //!
 //! From 8192 vertices on, with the feature `parallel` of `cloth-core`, three things run on several threads: the
 //! detection of pairs of primitives between patches, the constraints that are made of them, and the continuous tests of
-//! these; all else runs on the thread that calls. A thread fills the lists of its own pairs of patches, and each list is
-//! sorted by d − h and then by vertices; of what threads find only whole numbers are added up, of detections and of
+//! these; all else runs on the thread that calls. A thread fills the lists of its own pairs of patches, and each list
+//! is sorted by d − h and then by vertices; of what threads find only whole numbers are added up, of detections and of
 //! violated constraints. Sums and sweeps go through these lists one after the other, without colours; the order
 //! matters, to rounding in sums, and in sweeps because they are Gauss–Seidel. So results are the same bits whatever the
 //! number of threads, and the same on every run (`cloth-bench/tests/contract/thread_parity.rs`).

@@ -71,8 +71,8 @@
 //! 1. Patches of triangles that are near each other are found by a broad phase, and stay known while no patch has gone
 //!    farther than that search allowed for (`patches`).
 //! 2. Pairs between two such patches are found once and sorted by d − h (of edges d − h/2). As long as the bound on the
-//!    relative motion of the patches is below the margin of that search, the list is complete, and those that excess_gap more
-//!    than the bound are not evaluated.
+//!    relative motion of the patches is below the margin of that search, the list is complete, and those whose
+//!    excess gap is more than the bound are not evaluated.
 //! 3. Of the rest, a plane with a known normal decides for most that they are out of range (`near_pairs`,
 //!    `pair_constraint`).
 //! 4. What is left has its distance computed, and is a term of the sum.
@@ -137,8 +137,8 @@
 //! Pairs of bodies, and of a body with prescribed cloth, are left out: a body that nothing pushes may pass through
 //! itself and others, and prescribed cloth may be inside of one. A triangle with a prescribed corner that crosses a
 //! body at the start of a step passes through it, as nothing could part the two: a flag in its pole. Once the corner is
-//! out, and nothing crosses there, contact is what it was ([`PotentialContacts::prescribed_inside`]). Prescribed parts of the
-//! cloth that cross each other are an error.
+//! out, and nothing crosses there, contact is what it was ([`PotentialContacts::prescribed_inside`]). Prescribed parts
+//! of the cloth that cross each other are an error.
 //!
 //! # Pinched cloth
 //!

@@ -73,9 +73,9 @@
 //!
 //! - A contour that only just leads off a body at a rim of the cloth says little about the way, as for a hand that is
 //!   half in a sleeve and half beside it; such starts stall.
-//! - Prescribed vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. Two
-//!   tubes or garments through each other from rim to rim stall: either side of each could be the inside. The positions
-//!   are then finite, and no more tangled than the report says.
+//! - Prescribed vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an
+//!   answer. Two tubes or garments through each other from rim to rim stall: either side of each could be the inside.
+//!   The positions are then finite, and no more tangled than the report says.
 //! - Which part is right is a guess by size, and may be the wrong one.
 //! - Pushes can make the contour longer for a while.
 //! - Untangled means that no triangles meet, exactly; the distance may be tiny until [`project_back`] has opened it.

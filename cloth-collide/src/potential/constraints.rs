@@ -1,10 +1,10 @@
 //! Contact as unilateral constraints: the view for methods that project positions.
 //!
-//! A substep of Δt goes from x₀. Each pair of pieces that can touch in it is a constraint n·Σ wᵢ xᵢ ≥ d̂, with the nearest
-//! points frozen at x₀ (or at an earlier substep, while the patches have hardly moved against each other: then cloth at
-//! rest has the same constraints in each), and what pushes is the law of the potential there: with stiffness k = A ψ″ and the
-//! range d̂ = d − ψ′/ψ″ where the tangent of the force ends, so that λ (kg m) over Δt² is the force k (d̂ − d) (N).
-//! XPBD's projection (Macklin et al. 2016, equation 18) with the compliance α̃ = 1/(k Δt²) and λ ≥ 0 is
+//! A substep of Δt goes from x₀. Each pair of pieces that can touch in it is a constraint n·Σ wᵢ xᵢ ≥ d̂, with the
+//! nearest points frozen at x₀ (or at an earlier substep, while the patches have hardly moved against each other: then
+//! cloth at rest has the same constraints in each), and what pushes is the law of the potential there: with stiffness k
+//! = A ψ″ and the range d̂ = d − ψ′/ψ″ where the tangent of the force ends, so that λ (kg m) over Δt² is the force k
+//! (d̂ − d) (N). XPBD's projection (Macklin et al. 2016, equation 18) with the compliance α̃ = 1/(k Δt²) and λ ≥ 0 is
 //!
 //! Δλ = max(−λ, −(C + α̃ λ)/(Σ wᵢ²/mᵢ + α̃)), C = n·Σ wᵢ xᵢ − d̂.
 //!
@@ -265,8 +265,8 @@ impl Contacts {
                 .sum::<Real>()
     }
 
-    /// Constraints for the pairs that a path to `to` (m) can bring into contact, if it is not too long for that. Returns
-    /// whether it was not.
+    /// Constraints for the pairs that a path to `to` (m) can bring into contact, if it is not too long for that.
+    /// Returns whether it was not.
     fn find(&mut self, step: &ContactStep<'_>, to: &[Vec3], begins: bool) -> bool {
         let reach = self.reach();
         let Self {

@@ -80,8 +80,8 @@ impl Hit {
 
 impl LastResort {
     /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight paths from
-    /// `step.from` are free. Returns the number of vertices whose path was truncated for it: safe, but behind where contact
-    /// should let them go, and with less momentum.
+    /// `step.from` are free. Returns the number of vertices whose path was truncated for it: safe, but behind where
+    /// contact should let them go, and with less momentum.
     ///
     /// # Errors
     /// [`ContactError::Infeasible`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
@@ -266,8 +266,8 @@ fn way_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Optio
     Some(at.normal * missing.max(0.0))
 }
 
-/// When a pair comes nearer on its path to `x` (m) than the fraction of its distance, or of the thickness if that is less,
-/// that a step has to keep.
+/// When a pair comes nearer on its path to `x` (m) than the fraction of its distance, or of the thickness if that is
+/// less, that a step has to keep.
 fn hit(pair: Pair, near: &Near, step: &ContactStep<'_>, x: &[Vec3]) -> Option<Hit> {
     let path = Query::of(pair, step.from, x);
     let start = Gap::new(pair.kind, &path.from);

@@ -42,23 +42,23 @@
 //! ‖Δa − (R_p − 1) a‖ + ‖R_p − R_q‖₂ r_q + e_p + e_q, a = c_p − c_q at its start,
 //!
 //! where R_p is the turn of p in this motion and e_p the most by which a vertex leaves R_p (x − c): a difference of two
-//! vertices, turned back by R_p, is what it was but for this. It holds for any rotations. A substep is short and has
-//! R = 1, which makes it ‖Δc_p − Δc_q‖ and the largest displacements relative to the centres; a path of a minimisation
+//! vertices, turned back by R_p, is what it was but for this. It holds for any rotations. A substep is short and has R
+//! = 1, which makes it ‖Δc_p − Δc_q‖ and the largest displacements relative to the centres; a path of a minimisation
 //! takes the turn of the frames, unless that is more than 0.2. In between, where vertices go straight and the patches
 //! turn, it is the chord that counts (`change_for`). This is the *change* of two patches, and is added up to their
 //! *travel* since the last detection. The sum never falls, and so bounds the relative motion from each moment in
 //! between: what has an excess gap at one need not be asked before the travel has grown by it (`active_from`); two
-//! patches need not be asked before it has grown by the least of these (`left`), which takes one comparison; and nearest
-//! points are kept for a travel of 0.02 h (`known_at`). Only where the travel does not tell is the expression of the
-//! last detection evaluated (`moved`).
+//! patches need not be asked before it has grown by the least of these (`left`), which takes one comparison; and
+//! nearest points are kept for a travel of 0.02 h (`known_at`). Only where the travel does not tell is the expression
+//! of the last detection evaluated (`moved`).
 //!
 //! What was asked in a substep is for a change of 0.05 h more than before its sweeps, so that mostly nothing is asked
 //! after them (`allowed`).
 //!
 //! Which patches are near each other is found by a broad phase from their boxes, moved outwards by r + h/2, r the mean
-//! edge, or twice the displacement of the path if that is more. It is valid while no vertex goes farther than r relative
-//! to a motion that all share, by the sum of the largest displacements of all motions, or else by where each vertex is
-//! (`has_strayed`).
+//! edge, or twice the displacement of the path if that is more. It is valid while no vertex goes farther than r
+//! relative to a motion that all share, by the sum of the largest displacements of all motions, or else by where each
+//! vertex is (`has_strayed`).
 
 mod between;
 mod detect;
@@ -257,12 +257,12 @@ impl Patches {
         self.pairs.len()
     }
 
-    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and adds constraints to `lists` of those
-    /// that the motion can bring into contact: all if the substep `begins`, and what has none yet if the motion has
-    /// become another one. Returns false if a path is longer than some edges, which is more than patches allow for.
+    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and adds constraints to `lists` of
+    /// those that the motion can bring into contact: all if the substep `begins`, and what has none yet if the motion
+    /// has become another one. Returns false if a path is longer than some edges, which is more than patches allow for.
     ///
-    /// `visit` adds one constraint to the list that it gets, for a pair, with where its constraint of the substep before is, if it
-    /// had one, and the travel (m) of its patches; it returns the excess gap of the pair (m).
+    /// `visit` adds one constraint to the list that it gets, for a pair, with where its constraint of the substep
+    /// before is, if it had one, and the travel (m) of its patches; it returns the excess gap of the pair (m).
     pub(super) fn detect_for_substep<T: Send>(
         &mut self,
         near: &Near,

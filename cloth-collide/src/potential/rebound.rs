@@ -5,16 +5,17 @@
 //! (Müller et al. 2020, section 3.6; see the [chapter](super#references)), and one that parts already is not pushed to
 //! be faster: what the law has stored is lost.
 //!
-//! Let s be the relative velocity of a pair along n, and K = Σ wᵢ²/mᵢ (`inverse_effective_mass`). The impulse J = (e u − s)/K changes the
-//! velocities by J wᵢ n/mᵢ, and the kinetic energy by J s + ½ J² K = ((e u)² − s²)/(2 K). An impact at the speed u has
-//! s = −u at first, and takes (1 − e²) u²/(2 K) in all: nothing with e = 1, all of the relative motion along n with
-//! e = 0. Before a body at rest K = 1/m, so it is ½ m (1 − e²) u² of a vertex. (What is kept otherwise stands in the
-//! [chapter](super#what-is-kept-and-what-is-not).) Pairs are visited once: where they share vertices, a later one
-//! changes the speed of an earlier one, whose e u is not exact then.
+//! Let s be the relative velocity of a pair along n, and K = Σ wᵢ²/mᵢ the inverse effective mass. The impulse J = (e u
+//! − s)/K changes the velocities by J wᵢ n/mᵢ, and the kinetic energy by J s + ½ J² K = ((e u)² − s²)/(2 K). An impact
+//! at the speed u has s = −u at first, and takes (1 − e²) u²/(2 K) in all: nothing with e = 1, all of the relative
+//! motion along n with e = 0. Before a body at rest K = 1/m, so it is ½ m (1 − e²) u² of a vertex. Pairs are visited
+//! once: where they share vertices, a later one changes the speed of an earlier one, whose e u is not exact then.
 //!
-//! What lies on something approaches it by g Δt² in a substep. That is no impact below h/1000 (Δt < 0.32 ms at 1 mm).
-//! Above it is one in each substep: what lies still then has the speed v = e (g Δt − v) = e g Δt/(1 + e), and the law
-//! carries 1/(1 + e) of its weight, the rebound the rest.
+//! What lies on something approaches it by g Δt² in a substep. The paper has no rebound below the speed 2 g Δt, which
+//! is an approach by 2 g Δt². Contact does not know g, so here it is below h/1000, which is as much for Δt = 0.23 ms
+//! and h = 1 mm. In longer substeps what lies still rebounds in each: it then has the speed v = e (g Δt − v) = e g
+//! Δt/(1 + e), and the law carries 1/(1 + e) of its weight, the rebound the rest. Below Δt = 0.32 ms its g Δt² is no
+//! impact.
 
 use super::forces::Ledger;
 use super::near::Near;

@@ -41,8 +41,8 @@ const DESCENTS: u32 = 24;
 #[derive(Debug, Default)]
 pub(super) struct Stops {
     is_prescribed: Vec<bool>,
-    /// Triangles of which all vertices are prescribed, then such edges (the last vertex twice) and vertices (three times)
-    /// that are in none of those.
+    /// Triangles of which all vertices are prescribed, then such edges (the last vertex twice) and vertices (three
+    /// times) that are in none of those.
     prescribed: Vec<[u32; 3]>,
     meetings: Vec<Meeting>,
 }

@@ -31,11 +31,11 @@ const NO_TIME: Real = 1e-12;
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
 /// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside
 /// of bodies, and the triangles around them pass through a body that they cross at the start of a step
-/// ([`PotentialContacts::prescribed_inside`]). The start of a step must be free of crossings; it is if the last step ended
-/// there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing
-/// ones are [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude
-/// or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and
-/// are excluded until they are apart; nor of cloth that crosses a body then, before that body.
+/// ([`PotentialContacts::prescribed_inside`]). The start of a step must be free of crossings; it is if the last step
+/// ended there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and
+/// crossing ones are [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told
+/// to exclude or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at
+/// the start and are excluded until they are apart; nor of cloth that crosses a body then, before that body.
 ///
 /// # Example
 ///
@@ -283,8 +283,8 @@ impl PotentialContacts {
     }
 
     /// Work (J) in the last step that bodies which the cloth pushes did on it, a part of
-    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and prescribed vertices which
-    /// stop those did on them.
+    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and prescribed vertices
+    /// which stop those did on them.
     #[must_use]
     pub fn free_work(&self) -> [Real; 2] {
         self.contacts.free.work
@@ -316,7 +316,8 @@ impl PotentialContacts {
     }
 
     /// From the next step on these vertices are sewn together, and no others; see
-    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). What names a vertex beyond those of the cloth is left out.
+    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). What names a vertex beyond those of the cloth is left
+    /// out.
     pub fn sew(&mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) {
         self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges, self.surfaces.cloth);
         self.contacts.is_anew = true;

@@ -17,11 +17,11 @@ const MORE_ITERATIONS: u32 = 16;
 
 /// Pulls a tangled cloth apart step by step while a method simulates it, and lets contact keep everything else apart.
 ///
-/// Before each step, what crosses now is excluded: around the contour, and where it cuts parts off, the cloth falls into
-/// *regions*; pairs of pieces in two regions that cross each other are left out of contact, and of its checks. All
+/// Before each step, what crosses now is excluded: around the contour, and where it cuts parts off, the cloth falls
+/// into *regions*; pairs of pieces in two regions that cross each other are left out of contact, and of its checks. All
 /// others keep what [`PotentialContacts`] promises, so nothing can become tangled elsewhere. Then a few iterations move
-/// the cloth, as far as those others let it. Elasticity smooths what it leaves. Once nothing crosses, no pair is excluded
-/// any more, and contact keeps it that way.
+/// the cloth, as far as those others let it. Elasticity smooths what it leaves. Once nothing crosses, no pair is
+/// excluded any more, and contact keeps it that way.
 ///
 /// Bodies take part as triangles that stay where they are. A region that crosses one passes through it until nothing
 /// crosses it any more and no vertex that passes is inside, as [pinched cloth](crate::potential#pinched-cloth) does.

@@ -73,7 +73,8 @@ impl PatchPair {
     }
 }
 
-/// What is done with the pairs that may touch in a substep; see [`Patches::detect_for_substep`](super::Patches::detect_for_substep).
+/// What is done with the pairs that may touch in a substep; see
+/// [`Patches::detect_for_substep`](super::Patches::detect_for_substep).
 #[derive(Debug)]
 pub(super) struct Visits<'a, F> {
     pub(super) substep: u32,

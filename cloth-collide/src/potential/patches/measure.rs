@@ -309,8 +309,8 @@ impl Patches {
 ///
 /// Seen from the first patch, a vector d between them is d + e at an end, ‖e‖ no more than the change. A straight path
 /// between two places, to which the patch has turned by R₁ and R₂, has it at `((1 − t) R₁ + t R₂) d` and no more than
-/// the change besides. A mean of two rotations by an angle θ to each other shortens a vector to cos(θ/2), at most, and θ
-/// is no more than the angles of both, whose sines of half are at most `LARGEST_TURN`/2: cos(θ/2) ≥ `CHORD`.
+/// the change besides. A mean of two rotations by an angle θ to each other shortens a vector to cos(θ/2), at most, and
+/// θ is no more than the angles of both, whose sines of half are at most `LARGEST_TURN`/2: cos(θ/2) ≥ `CHORD`.
 pub(super) fn change_for(nearer: Real, range: Real) -> Real {
     (range + nearer) * CHORD - range
 }
