@@ -166,10 +166,8 @@
 //! # Limits
 //!
 //! - Shapes with a signed distance are rigid, and keep the velocities that they were built with, unless the cloth
-//!   pushes them ([`free`](potential::PotentialBuilder::free)); those that deform, or move on any other given path,
-//!   have triangles alone ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A closed rigid mesh
-//!   is a [`ClosedMesh`](obstacle::ClosedMesh) (or [`SampledDistance`](obstacle::SampledDistance)) with a surface of
-//!   the same triangles, an open one, or one through itself, a [`SurfaceOnly`](obstacle::SurfaceOnly) with its surface.
+//!   pushes them. What deforms, moves on any other path, or has no inside has triangles alone: the table in
+//!   [`potential`](potential#bodies).
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.

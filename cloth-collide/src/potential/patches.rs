@@ -11,8 +11,8 @@
 //!
 //! Where reference positions are taken anew (`refer`), s̄ becomes what s is there, so s does not jump. Let 0 be a
 //! moment at which those of both patches p and q were taken, the last one or an earlier one. Seen from the frame of p,
-//! q has the centre a = F_pᵀ (c_q − c_p) and the axes P = F_pᵀ F_q (`Pose`). Since moment 0 the distance of any point
-//! of p from any point of q has changed by no more than
+//! q has the centre a = F_pᵀ (c_q − c_p) and the axes P = F_pᵀ F_q (`RelativePose`). Since moment 0 the distance of any
+//! point of p from any point of q has changed by no more than
 //!
 //! ‖a − a₀‖ + ‖P − P₀‖₂ r_q + (s_p − s_p₀) + (s_q − s_q₀),
 //!
@@ -23,34 +23,38 @@
 //! and a point of a triangle is a mean of vertices. A point of q that was at z in its frame, ‖z‖ ≤ r_q, was at a₀ + P₀
 //! z as seen from p and is at a + P z. From another moment the inequality does not hold: a vertex that goes back
 //! towards its reference position moves, and s falls. So each detection between two patches first takes the reference
-//! positions of both anew (`find`), and each search for pairs of patches those of all (`search`). What is kept to
-//! compare with (`pose` and `spread` of a `PatchPair`, `searched` of `Patches`) is from these moments.
+//! positions of both anew (`find`), and keeps what it is to be compared with (`pose` and `spread` of a `PatchPair`).
 //!
 //! # What follows from it
 //!
 //! Detection between two patches finds all pairs of primitives nearer than h plus a motion bound, and sorts them by
 //! their excess gap d − h. As long as the expression above is less than the bound, the list is complete, and only the
-//! pairs at its beginning, with d − h below the expression, can touch. A common motion of two patches
-//! cancels, so cloth that flies or swings as a whole needs no detection: where a sheet falls into hanging, neighbouring
-//! patches turn by far more than they bend. What goes to and fro does not add up.
+//! pairs at its beginning, with d − h below the expression, can touch. A common motion of two patches cancels, and what
+//! goes to and fro does not add up. So cloth that flies or swings as a whole needs no detection: where a sheet falls
+//! into hanging, neighbouring patches turn by far more than they bend.
 //!
 //! # The motion at hand
 //!
 //! Each path is measured before it is used (`detect_for_substep`, before the sweeps and again after them; `choose` and
 //! `holds` of a minimisation). From its start to its end, a distance between p and q changes by no more than
 //!
-//! ‖Δa − (R_p − 1) a‖ + ‖R_p − R_q‖₂ r_q + e_p + e_q, a = c_p − c_q at its start,
+//! ‖a′ − R_p a‖ + ‖R_p − R_q‖₂ r_q + e_p + e_q, a = c_p − c_q at its start, a′ at its end,
 //!
-//! where R_p is the turn of p in this motion and e_p the most by which a vertex leaves R_p (x − c): a difference of two
-//! vertices, turned back by R_p, is what it was but for this. It holds for any rotations. A substep is short and has R
-//! = 1, which makes it ‖Δc_p − Δc_q‖ and the largest displacements relative to the centres; a path of a minimisation
-//! takes the turn of the frames, unless that is more than 0.2. In between, where vertices go straight and the patches
-//! turn, it is the chord that counts (`change_for`). This is the *change* of two patches, and is added up to their
-//! *travel* since the last detection. The sum never falls, and so bounds the relative motion from each moment in
-//! between: what has an excess gap at one need not be asked before the travel has grown by it (`active_from`); two
-//! patches need not be asked before it has grown by the least of these (`left`), which takes one comparison; and
-//! nearest points are kept for a travel of 0.02 h (`known_at`). Only where the travel does not tell is the expression
-//! of the last detection evaluated (`moved`).
+//! with rotations R_p and R_q and the most e_p by which a vertex of p, at x − c from the centre before, leaves R_p (x −
+//! c), and the same of q: the difference d of two points becomes R_p d + (a′ − R_p a) + (R_p − R_q) z and what they
+//! leave, z from the centre of q to its point. It holds for any rotations. A substep is short and has R = 1, which
+//! makes it ‖a′ − a‖ and the largest displacements relative to the centres; a path of a minimisation takes the turns of
+//! the frames, unless they are more than 0.2. In between, where vertices go straight and the patches turn, it is the
+//! chord that counts (`change_for`). This is the *change* of two patches, and is added up to their *travel* since the
+//! last detection. The sum never falls, and so bounds the relative motion from each moment in between: what has an
+//! excess gap at one need not be asked before the travel has grown by it (`active_from`); two patches need not be asked
+//! before it has grown by the least of these (`left`), which takes one comparison; and nearest points are kept for a
+//! travel of
+//! 0.02 h (`known_at`).
+//!
+//! Only where the travel does not tell is the expression of the last detection evaluated (`moved`). Travel alone would
+//! do, and take more detections: on a sheet of 33 × 33 vertices that falls into hanging 15,107 instead of 7,939 by XPBD
+//! and 8,071 instead of 3,453 by implicit Euler, on one that flies and turns 15,925 instead of 683.
 //!
 //! What was asked in a substep is for a change of 0.05 h more than before its sweeps, so that mostly nothing is asked
 //! after them (`allowed`).

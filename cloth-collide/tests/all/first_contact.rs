@@ -125,12 +125,14 @@ fn contact_is_never_late_and_never_missed() {
                 hits += 1;
                 assert!(hit.time > 0.0 && hit.evaluations <= 512);
                 uncertain += u32::from(!hit.certain);
-                assert!(!hit.certain || gap(hit.time) < 1e-13, "{name} {i} {hit:?}");
+                // One that spends its evaluations grazes the surface.
+                let near = if hit.certain { 1e-13 } else { 1e-4 };
+                assert!(gap(hit.time) < near, "{name} {i} {hit:?}");
             }
         }
         assert!(hits > 100, "{name}: {hits} contacts");
         assert!(
-            uncertain * 50 < hits,
+            uncertain * 25 < hits,
             "{name}: {uncertain} of {hits} uncertain"
         );
     }
