@@ -79,6 +79,13 @@ impl Bounds {
     }
 }
 
+/// How far (m) a vertex goes besides a common `shift` (m), at most.
+pub(crate) fn farthest(from: &[Vec3], to: &[Vec3], shift: Vec3) -> Real {
+    let squares = from.iter().zip(to);
+    let squares = squares.map(|(a, b)| (b - a - shift).norm_squared());
+    squares.fold(0.0, Real::max).sqrt()
+}
+
 /// The mean of some positions (m).
 pub(crate) fn mean(positions: &[Vec3]) -> Vec3 {
     positions.iter().sum::<Vec3>() / positions.len().max(1) as Real

@@ -9,7 +9,7 @@ use super::culled::CulledPairs;
 use super::near::Near;
 use super::pair::PairContact;
 use super::patches::Patches;
-use crate::bounds::{Bounds, mean};
+use crate::bounds::{Bounds, farthest, mean};
 use crate::ccd::{Query, QueryKind};
 use crate::obstacle::Obstacle;
 use crate::pair::{Gap, Pair};
@@ -130,7 +130,7 @@ impl NearPairs {
             self.around_bodies = None;
         }
         let goes = match stay && count < from.len() {
-            true => farthest(&from[..count], &to[..count]),
+            true => farthest(&from[..count], &to[..count], Vec3::zeros()),
             false => longest(path),
         };
         self.choose(near, path, [goes, margin]);
@@ -159,8 +159,8 @@ impl NearPairs {
         }
         let behind = self
             .behind
-            .get_or_insert_with(|| farthest(&self.place[count..], &x[count..]));
-        farthest(&self.place[..count], &x[..count]).max(*behind)
+            .get_or_insert_with(|| farthest(&self.place[count..], &x[count..], Vec3::zeros()));
+        farthest(&self.place[..count], &x[..count], Vec3::zeros()).max(*behind)
     }
 
     /// Whether a path is short beside how far the cloth has gone since pairs were chosen, so that few of them matter:
@@ -300,16 +300,7 @@ impl NearPairs {
 
 /// How far (m) a vertex goes, at most, relative to the mean motion.
 fn longest([from, to]: [&[Vec3]; 2]) -> Real {
-    let shift = mean(to) - mean(from);
-    let displacements = from.iter().zip(to);
-    let most = displacements.map(|(a, b)| (b - a - shift).norm_squared());
-    most.fold(0.0, Real::max).sqrt()
-}
-
-/// How far (m) a vertex goes, at most.
-fn farthest(from: &[Vec3], to: &[Vec3]) -> Real {
-    let squares = from.iter().zip(to).map(|(a, b)| (b - a).norm_squared());
-    squares.fold(0.0, Real::max).sqrt()
+    farthest(from, to, mean(to) - mean(from))
 }
 
 /// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around

@@ -11,7 +11,7 @@ use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::obstacle_contact::ObstacleContact;
 use super::stops::Stops;
-use crate::bounds::mean;
+use crate::bounds::{farthest, mean};
 use crate::obstacle::Obstacle;
 use crate::pair::{Gap, weighted};
 use cloth_core::contact::{
@@ -283,9 +283,7 @@ impl Contacts {
     fn tested_fraction(&self, from: &[Vec3], to: &[Vec3]) -> Real {
         let (from, to) = (self.near.own(from), self.near.own(to));
         let shift = mean(to) - mean(from);
-        let displacements = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
-        let longest = displacements.fold(0.0, Real::max);
-        (LONGEST * self.near.law.range() / longest).min(1.0)
+        (LONGEST * self.near.law.range() / farthest(from, to, shift)).min(1.0)
     }
 
     /// ε (m): the displacement below which friction is a spring.

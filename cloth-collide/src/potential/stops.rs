@@ -63,6 +63,30 @@ struct Meeting {
 }
 
 impl Meeting {
+    /// Where the distance (m) was another one at the `start`, is `now` less than that and than what it keeps, by too
+    /// much, after `time` (s).
+    fn new(
+        (body, other): (usize, Option<usize>),
+        [start, now, keep]: [Real; 3],
+        time: Real,
+        [point, normal]: [Vec3; 2],
+    ) -> Option<Self> {
+        let least = (1.0 - MISSING) * keep;
+        let allowed = if start < least {
+            start - ROUNDING * keep
+        } else {
+            least
+        };
+        (now < allowed).then(|| Self {
+            body,
+            other,
+            point,
+            normal,
+            missing: (start.min(keep) - now) / time,
+            impulse: 0.0,
+        })
+    }
+
     /// The free bodies, and the sense in which each is pushed.
     fn ends(&self) -> impl Iterator<Item = (usize, Real)> + use<> {
         let other = self.other.map(|other| (other, -1.0));
@@ -184,16 +208,9 @@ impl Contacts {
             let (start, point) = (at(&from), at(&then));
             let distance = obstacle.signed_distance(point, time);
             let start = obstacle.signed_distance(start, 0.0).value;
-            if let Some(missing) = missing(start, distance.value, keep) {
-                self.stops.meetings.push(Meeting {
-                    body: number,
-                    other: None,
-                    point,
-                    normal: -distance.normal,
-                    missing: missing / time,
-                    impulse: 0.0,
-                });
-            }
+            let distances = [start, distance.value, keep];
+            let met = Meeting::new((number, None), distances, time, [point, -distance.normal]);
+            self.stops.meetings.extend(met);
         }
     }
 
@@ -217,16 +234,9 @@ impl Contacts {
                     continue;
                 }
                 let start = obstacle.signed_distance(before.to_world(*local), 0.0);
-                if let Some(missing) = missing(start.value, distance.value, keep) {
-                    self.stops.meetings.push(Meeting {
-                        body: number,
-                        other,
-                        point,
-                        normal: distance.normal,
-                        missing: missing / time,
-                        impulse: 0.0,
-                    });
-                }
+                let distances = [start.value, distance.value, keep];
+                let met = Meeting::new((number, other), distances, time, [point, distance.normal]);
+                self.stops.meetings.extend(met);
             }
         }
     }
@@ -276,17 +286,6 @@ impl FreeBody {
         self.body
             .velocity_by(&self.place, [impulse, arm.cross(&impulse)])
     }
-}
-
-/// What is missing (m) of the distance to keep, where it was another one (m) at the `start`, if that is too much.
-fn missing(start: Real, now: Real, keep: Real) -> Option<Real> {
-    let least = (1.0 - MISSING) * keep;
-    let allowed = if start < least {
-        start - ROUNDING * keep
-    } else {
-        least
-    };
-    (now < allowed).then_some(start.min(keep) - now)
 }
 
 /// The weights of a point of a triangle (corners in m) that is nearest to an obstacle after `time` (s): parts that are

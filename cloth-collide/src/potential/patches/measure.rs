@@ -2,7 +2,7 @@
 
 use super::Patches;
 use super::frame::{Four, Frame, farthest, root, tilt, times};
-use crate::bounds::mean;
+use crate::bounds::{self, mean};
 use crate::potential::near::Near;
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::parallel::wide;
@@ -258,9 +258,7 @@ impl Patches {
             return false;
         }
         let shift = mean(near.own(x)) - mean(near.own(&self.searched));
-        let squares = x.iter().zip(&self.searched);
-        let squares = squares.map(|(x, before)| (x - before - shift).norm_squared());
-        self.strayed = squares.fold(0.0, Real::max).sqrt();
+        self.strayed = bounds::farthest(&self.searched, x, shift);
         self.goes_too_far(margin)
     }
 
