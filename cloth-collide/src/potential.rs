@@ -179,7 +179,7 @@
 //! | m(‖u × v‖²) for two edges u, v (Li et al. 2020, equation 24) | [`Mollifier`] |
 //! | A ψ(d), A m ψ(d) as elements, with both derivatives | [`PairContact`] |
 //! | u, in the plane across n (Li et al. 2020, section 5.4) | `FrictionContact::displacement`, in `friction` |
-//! | μ λ, n and weights, frozen at the start of the step | `Contacts::stick`, in `source` |
+//! | μ λ, n and weights, frozen at the start of the step | `Contacts::freeze_friction`, in `source` |
 //! | μ λ f(‖u‖) and its force μ λ f′(‖u‖) u/‖u‖ | `FrictionContact::add_gradient`, in `friction` |
 //! | its Hessian, along u/‖u‖ and n × u/‖u‖ | `FrictionContact::rows`, in `friction` |
 //! | ‖f‖ ≤ μ λ of a constraint, in each sweep | `ConstraintState::project`, in `tangent` |
@@ -189,7 +189,7 @@
 //! | P ← P + m g Δt + ∫f dt of bodies that the cloth pushes | `free` |
 //! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, where such a body meets what does not give way | `stops` |
 //! | C = n·Σ wᵢ xᵢ − d̂, α = 1/(A ψ″), λ ≥ 0 | `pair_constraint`, `constraints`, `bodies`, `tangent` |
-//! | what can touch in a substep or on a path | `patches`; whether anything can, `quiet` |
+//! | what can touch in a substep or on a path | `patches`; whether anything can, `culled_substeps` |
 //! | the part of its path on which a pair is safe | `time_of_pair`, in `filter` |
 //! | the same for a vertex before a body | `time_of_obstacle`, in `filter` |
 //! | the least of these, for all vertices (`limit`) | `NearPairs::safe_part`, in `filter` |
@@ -256,6 +256,7 @@ mod bodies;
 mod builder;
 mod constraints;
 mod culled;
+mod culled_substeps;
 pub(crate) mod excluded;
 mod filter;
 mod forces;
@@ -270,7 +271,6 @@ mod pair;
 mod pair_constraint;
 mod patches;
 mod pinched;
-mod quiet;
 mod rebound;
 mod report;
 pub(crate) mod sewn;

@@ -8,7 +8,7 @@ use super::patches::Patches;
 use super::rebound::Rebounds;
 use super::sewn::Sewn;
 use super::source::Contacts;
-use super::surfaces::{Motion, PotentialContacts, Surfaces};
+use super::surfaces::{PotentialContacts, SurfaceMotion, Surfaces};
 use crate::broad_phase::BroadPhaseKind;
 use crate::obstacle::{AnimatedMesh, Obstacle, PenaltyLaw, RigidBody};
 use cloth_core::error::{OutOfRange, not_negative, positive};
@@ -39,7 +39,7 @@ pub struct PotentialBuilder<'a> {
     stiffness: Real,
     restitution: Option<Real>,
     obstacles: Vec<Body>,
-    surfaces: Vec<(TriMesh, Motion)>,
+    surfaces: Vec<(TriMesh, SurfaceMotion)>,
     free: Vec<(usize, RigidBody)>,
     /// At which the first step begins (s).
     time: Real,
@@ -167,7 +167,7 @@ impl<'a> PotentialBuilder<'a> {
     /// surface of the shape or inside, since the signed distance keeps vertices on its own.
     #[must_use]
     pub fn surface(mut self, number: usize, mesh: TriMesh) -> Self {
-        self.surfaces.push((mesh, Motion::Obstacle(number)));
+        self.surfaces.push((mesh, SurfaceMotion::Obstacle(number)));
         self
     }
 
@@ -184,7 +184,7 @@ impl<'a> PotentialBuilder<'a> {
     /// `friction` μ (dimensionless). Its time begins with the first step.
     #[must_use]
     pub fn animated(mut self, mesh: TriMesh, animation: AnimatedMesh, friction: Real) -> Self {
-        let motion = Motion::Own(animation, friction);
+        let motion = SurfaceMotion::Own(animation, friction);
         self.surfaces.push((mesh, motion));
         self
     }
@@ -334,7 +334,7 @@ impl<'a> PotentialBuilder<'a> {
                     "one that is not free already",
                 ));
             }
-            let is_own = |motion: &Motion| matches!(motion, Motion::Obstacle(of) if *of == number);
+            let is_own = |motion: &SurfaceMotion| matches!(motion, SurfaceMotion::Obstacle(of) if *of == number);
             let surfaces = self.surfaces.iter().filter(|(_, motion)| is_own(motion));
             let vertices = surfaces.flat_map(|(mesh, _)| mesh.positions().iter().copied());
             Ok(FreeBody::new(number, body, obstacle, vertices.collect()))
@@ -348,12 +348,12 @@ impl<'a> PotentialBuilder<'a> {
         let mut animated = self.obstacles.len()..;
         for (mesh, motion) in &self.surfaces {
             let (error_bound, friction, body) = match motion {
-                Motion::Obstacle(number) => {
+                SurfaceMotion::Obstacle(number) => {
                     let name = "number of the obstacle with a surface";
                     let (body, friction) = self.body(name, *number)?;
                     (body.shape().error_bound(), *friction, Some(*number))
                 }
-                Motion::Own(animation, friction) => {
+                SurfaceMotion::Own(animation, friction) => {
                     let count = animation.vertex_count();
                     if count != mesh.vertex_count() {
                         let name = "number of vertices of an animation";

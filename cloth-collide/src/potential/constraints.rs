@@ -14,11 +14,11 @@
 //! The [chapter](super#for-methods-that-project-positions) has what happens at the end of a substep.
 
 use super::bodies::{Bodies, Body, Substep};
+use super::culled_substeps::CulledSubsteps;
 use super::forces::Ledger;
 use super::near::Near;
 use super::pair_constraint::{PairConstraint, Role};
 use super::patches::{NearPair, Patches};
-use super::quiet::Quiet;
 use super::rebound::Rebounds;
 use super::report::ConstraintReport;
 use super::source::Contacts;
@@ -52,7 +52,7 @@ pub(super) struct Constraints {
     /// Of this substep, and of the one before.
     lists: Vec<Vec<PairConstraint>>,
     last: Vec<Vec<PairConstraint>>,
-    quiet: Quiet,
+    culled: CulledSubsteps,
     /// Whether the last step was taken with these constraints.
     pub(super) took_last: bool,
     /// Whether the last substep led the start of a minimisation (`Contacts::lead`): the next one that does brings the
@@ -73,7 +73,7 @@ pub(super) struct Constraints {
 impl Constraints {
     /// Forgets everything about earlier steps: the cloth starts at `from` (m), before `bodies` bodies.
     pub(super) fn start_anew(&mut self, near: &Near, from: &[Vec3], bodies: usize) {
-        self.quiet.end();
+        self.culled.end();
         self.bodies.forget(near.cloth, bodies);
         if let Some(patches) = &mut self.patches {
             patches.forget(from, &near.is_resting);
@@ -141,15 +141,15 @@ impl ContactConstraints for Contacts {
             self.constraints
                 .start_anew(&self.near, step.from, self.before.len());
         }
-        if self.constraints.quiet.holds(predicted) {
-            self.constraints.quiet.is_on = true;
+        if self.constraints.culled.holds(predicted) {
+            self.constraints.culled.is_on = true;
             return Ok(());
         }
         if let Some(vertex) = predicted.iter().position(|x| !is_finite(x)) {
             return Err(ContactError::NonFinite { vertex });
         }
         let constraints = &mut self.constraints;
-        if let (true, Some(patches)) = (constraints.quiet.end(), &mut constraints.patches) {
+        if let (true, Some(patches)) = (constraints.culled.end(), &mut constraints.patches) {
             patches.skip(step.from);
         }
         constraints.clear();
@@ -166,7 +166,7 @@ impl ContactConstraints for Contacts {
     }
 
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
-        if self.constraints.quiet.is_on {
+        if self.constraints.culled.is_on {
             return;
         }
         for constraint in self.constraints.lists.iter_mut().flatten() {
@@ -179,8 +179,8 @@ impl ContactConstraints for Contacts {
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
-        if self.constraints.quiet.is_on {
-            if self.constraints.quiet.holds(x) {
+        if self.constraints.culled.is_on {
+            if self.constraints.culled.holds(x) {
                 self.constraints.report.culled_substeps += 1;
                 self.ledger
                     .iter_mut()
@@ -383,7 +383,7 @@ impl Contacts {
             // A body that nothing holds may set out in the next substep.
             let is_alone = self.free.list.is_empty();
             if let (Some(relative), Some(whole), true) = (relative, whole, is_alone) {
-                constraints.quiet.begin(x, relative, whole);
+                constraints.culled.begin(x, relative, whole);
             }
         }
         self.advance_bodies(step.dt);

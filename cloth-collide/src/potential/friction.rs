@@ -126,10 +126,10 @@ impl TangentialDisplacements {
     pub(super) fn replace(&mut self, all: &[FrictionContact], reach: Real, x: &[Vec3]) {
         std::mem::swap(&mut self.displacements, &mut self.before);
         self.displacements.clear();
-        self.displacements.extend(all.iter().map(|sticking| {
+        self.displacements.extend(all.iter().map(|contact| {
             (
-                sticking.key,
-                clamp_to_friction_cone(sticking.displacement(x), reach),
+                contact.key,
+                clamp_to_friction_cone(contact.displacement(x), reach),
             )
         }));
         self.displacements.sort_unstable_by_key(|entry| entry.0);

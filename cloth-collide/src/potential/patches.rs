@@ -80,13 +80,13 @@ use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use detect::PatchQuery;
 use frame::{Four, Group};
-use measure::{Motion, Places};
+use measure::{PatchMotion, Places};
 
 /// Queries whose constraints are in one list.
 const QUERIES: usize = 512;
 /// Triangles in a patch, at most.
 const PATCH: usize = 32;
-/// Motion bound (in thicknesses) of a detection, at least.
+/// PatchMotion bound (in thicknesses) of a detection, at least.
 const LEAST_BOUND: Real = 0.5;
 /// The same, in paths of the substep that needs it.
 const MOTIONS: Real = 60.0;
@@ -141,7 +141,7 @@ pub(super) struct Patches {
     /// Whether axes, radius and spread of a patch are known at the start.
     is_settled: Vec<bool>,
     /// The motion at hand, and whether it counts turns apart.
-    motions: Vec<Motion>,
+    motions: Vec<PatchMotion>,
     turns: bool,
     boxes: Vec<Bounds>,
     broad_phase: Box<dyn BroadPhase>,
@@ -204,7 +204,7 @@ impl Patches {
             now: places(),
             then: places(),
             is_settled: vec![false; count],
-            motions: vec![Motion::NONE; count],
+            motions: vec![PatchMotion::NONE; count],
             boxes: vec![Bounds::around([Vec3::zeros()]); count],
             members,
             groups,
@@ -224,7 +224,7 @@ impl Patches {
         self.place(x);
         (0..count).for_each(|p| self.refer(p));
         self.then.copy(&self.now);
-        self.motions.fill(Motion::NONE);
+        self.motions.fill(PatchMotion::NONE);
         for (p, (_, vertices)) in self.members.iter().enumerate().skip(self.cloth) {
             self.rests[p] = vertices.iter().all(|&v| is_resting[v as usize]);
         }

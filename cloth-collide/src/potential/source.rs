@@ -151,7 +151,7 @@ impl ContactPotential for Contacts {
         self.still.extend(still);
         self.pairs.begin(step.from, &self.near.is_resting, goes_on);
         self.prepare(step.from, &wanted, false)?;
-        self.stick(step);
+        self.freeze_friction(step);
         if is_still {
             let cap = self.safe_part(step.from, &wanted);
             for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
@@ -214,8 +214,8 @@ impl ContactPotential for Contacts {
             out[contact.vertex] += gradient;
         }
         let reach = self.reach();
-        for sticking in &self.friction {
-            sum += sticking.add_gradient(reach, x, out);
+        for contact in &self.friction {
+            sum += contact.add_gradient(reach, x, out);
         }
         sum
     }
@@ -246,8 +246,8 @@ impl ContactPotential for Contacts {
             });
         }
         let reach = self.reach();
-        let sticking = self.friction.iter();
-        out.extend(sticking.flat_map(|sticking| sticking.rows(reach, x)));
+        let contacts = self.friction.iter();
+        out.extend(contacts.flat_map(|contact| contact.rows(reach, x)));
     }
 
     fn has_free_bodies(&self) -> bool {
@@ -374,10 +374,10 @@ impl Contacts {
     }
 
     /// Finds the contacts at the start of a step that have friction in it.
-    fn stick(&mut self, step: &ContactStep<'_>) {
-        let (near, tangential, sticking) = (&self.near, &self.tangential, &mut self.friction);
+    fn freeze_friction(&mut self, step: &ContactStep<'_>) {
+        let (near, tangential, frictions) = (&self.near, &self.tangential, &mut self.friction);
         let x = step.from;
-        sticking.clear();
+        frictions.clear();
         for contact in self.pairs.iter_at(x) {
             let (key, vertices) = (Key::Pair(contact.pair), contact.pair.vertices);
             let places = gather(x, vertices);
@@ -385,7 +385,7 @@ impl Contacts {
             let force = -contact.area_at(&places) * contact.law.slope(gap.distance);
             let most = near.friction(vertices) * force;
             if most > 0.0 {
-                sticking.push(FrictionContact {
+                frictions.push(FrictionContact {
                     key,
                     vertices,
                     weights: gap.weights,
@@ -415,7 +415,7 @@ impl Contacts {
                     let key = Key::Obstacle([vertex, number]);
                     let moved = after.motion().pose;
                     let moved = moved.to_world(before.motion().pose.to_local(*place));
-                    sticking.push(FrictionContact {
+                    frictions.push(FrictionContact {
                         key,
                         vertices: [vertex; 4],
                         weights: ALONE,
@@ -489,9 +489,9 @@ impl Contacts {
             let gradient = || contact.value_and_gradient().1;
             add([contact.vertex, contact.number], &gradient);
         }
-        for sticking in &self.friction {
-            if let Key::Obstacle(key) = sticking.key {
-                let gradient = || sticking.force(self.reach(), x).0;
+        for contact in &self.friction {
+            if let Key::Obstacle(key) = contact.key {
+                let gradient = || contact.force(self.reach(), x).0;
                 add(key.map(|n| n as usize), &gradient);
             }
         }

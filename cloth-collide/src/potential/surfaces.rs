@@ -95,14 +95,14 @@ pub struct PotentialContacts {
 #[derive(Clone, Debug)]
 struct Surface {
     mesh: TriMesh,
-    motion: Motion,
+    motion: SurfaceMotion,
     /// Where it is at both ends, if it is that of an obstacle and has been put there.
     placed: Option<[Pose; 2]>,
 }
 
 /// What moves it.
 #[derive(Clone, Debug)]
-pub(super) enum Motion {
+pub(super) enum SurfaceMotion {
     /// The obstacle of this number.
     Obstacle(usize),
     /// Its own shapes, with a coefficient of friction.
@@ -130,7 +130,7 @@ pub(super) struct Surfaces {
 
 impl Surfaces {
     /// `time` is that (s) at which the first step begins.
-    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>, time: Real) -> Self {
+    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, SurfaceMotion)>, time: Real) -> Self {
         let own = list.iter().map(|(mesh, _)| mesh.vertex_count());
         let count = cloth + own.sum::<usize>();
         let buffer = || vec![Vec3::zeros(); count];
@@ -168,7 +168,7 @@ impl Surfaces {
             let (own_to, rest_to) = to.split_at_mut(count);
             (from, to) = (rest_from, rest_to);
             match motion {
-                Motion::Obstacle(number) => {
+                SurfaceMotion::Obstacle(number) => {
                     let motion = bodies[*number].0.motion();
                     let poses = [0.0, dt].map(|time| motion.pose_at(time));
                     // What stands still is there already.
@@ -181,7 +181,7 @@ impl Surfaces {
                         places.for_each(|(x, local)| *x = pose.to_world(*local));
                     }
                 }
-                Motion::Own(animation, _) => {
+                SurfaceMotion::Own(animation, _) => {
                     animation.place(self.time, own_from);
                     animation.place(self.time + dt, own_to);
                 }
@@ -343,8 +343,8 @@ impl PotentialContacts {
     /// Whether a vertex of the cloth at `x` (m) is inside of a body with an inside and a surface.
     pub(crate) fn contain(&self, vertex: u32, x: Vec3) -> bool {
         let bodies = self.surfaces.list.iter().filter_map(|s| match s.motion {
-            Motion::Obstacle(number) => Some(&self.contacts.bodies[number].0),
-            Motion::Own(..) => None,
+            SurfaceMotion::Obstacle(number) => Some(&self.contacts.bodies[number].0),
+            SurfaceMotion::Own(..) => None,
         });
         let mut bodies = bodies.filter(|_| (vertex as usize) < self.surfaces.cloth);
         bodies.any(|body| body.signed_distance(x, 0.0).value <= 0.0)

@@ -28,7 +28,7 @@ pub(super) struct Places {
 
 /// What one patch does in the motion at hand.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
+pub(super) struct PatchMotion {
     /// Displacement of the centre (m), the rotation that is counted apart, and how far (m) a vertex goes besides both.
     shift: Vec3,
     turn: Mat3,
@@ -54,7 +54,7 @@ impl RelativePose {
     }
 }
 
-impl Motion {
+impl PatchMotion {
     pub(super) const NONE: Self = Self {
         shift: Vec3::new(0.0, 0.0, 0.0),
         turn: Frame::NOWHERE.axes,
@@ -192,11 +192,11 @@ impl Patches {
             arms().for_each(|(was, is)| farthest(&mut rest, is, was));
             let (shift, rest) = (then.frames[p].centre - now.frames[p].centre, root(rest));
             let motion = &mut self.motions[p];
-            *motion = Motion {
+            *motion = PatchMotion {
                 shift,
                 rest,
                 stray: (shift - mean).norm() + rest,
-                ..Motion::NONE
+                ..PatchMotion::NONE
             };
             if !self.turns {
                 continue;
@@ -209,7 +209,7 @@ impl Patches {
                 farthest(&mut radius, is, &[[0.0; 4]; 3]);
             }
             then.radii[p] = root(radius);
-            if tilt(&turn, &Motion::NONE.turn) <= LARGEST_TURN {
+            if tilt(&turn, &PatchMotion::NONE.turn) <= LARGEST_TURN {
                 (motion.turn, motion.rest) = (turn, root(besides));
             }
         }

@@ -8,7 +8,7 @@ const SAMPLES: usize = 16;
 
 /// Where the cloth was when it was known that nothing is near, and how far it may go.
 #[derive(Debug, Default)]
-pub(super) struct Quiet {
+pub(super) struct CulledSubsteps {
     /// Positions (m); none while something may be near.
     place: Vec<Vec3>,
     /// How far (m) a vertex may go relative to the mean motion, and how far at all.
@@ -18,7 +18,7 @@ pub(super) struct Quiet {
     pub(super) is_on: bool,
 }
 
-impl Quiet {
+impl CulledSubsteps {
     /// Nothing is near the cloth at `x` (m) as long as no vertex goes further than that (m).
     pub(super) fn begin(&mut self, x: &[Vec3], relative: Real, whole: Real) {
         x.clone_into(&mut self.place);
