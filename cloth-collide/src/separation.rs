@@ -99,8 +99,8 @@ impl SeparationProbe {
     }
 
     /// Without pairs of triangles that meet at a seam, as
-    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the vertices. What has a vertex that
-    /// there is not is left out.
+    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the vertices. What names a vertex
+    /// beyond those of the mesh is left out.
     #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
         self.sewn = Sewn::new(pairs, onto_edges, self.vertex_count);
