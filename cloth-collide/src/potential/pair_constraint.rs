@@ -51,8 +51,8 @@ pub(super) enum Role {
 
 impl PairConstraint {
     /// Adds that of a pair in a substep in which it would go to `to` (m); `last` is its constraint of the substep
-    /// before, if it had one, `travel` (m) how far the patches have travelled, and `reach` (m) how far friction
-    /// tangential_displacements. Returns how far (m) the two are apart, at least.
+    /// before, if it had one, `travel` (m) how far the patches have travelled, and `reach` (m) the largest tangential
+    /// displacement of what sticks. Returns how far (m) the two are apart, at least.
     #[inline]
     pub(super) fn add(
         constraints: &mut Vec<Self>,

@@ -30,7 +30,7 @@ const ROUNDING: Real = 1e-6;
 /// Rounds of detection, and sweeps in each.
 const ROUNDS: u32 = 20;
 const SWEEPS: u32 = 20;
-/// A body is detected as often in a step as it goes this part of its smallest extent, and so often at most.
+/// Moments of a step at which a body is tested: one for each part of its smallest extent that it goes, up to a number.
 const PART: Real = 0.25;
 const MOST_SAMPLES: Real = 64.0;
 /// Parts of a triangle that are asked for the distance of their middles, at most, and steps down from the best.
@@ -63,8 +63,8 @@ struct Meeting {
 }
 
 impl Meeting {
-    /// Where the distance (m) was another one at the `start`, is `now` less than that and than what it keeps, by too
-    /// much, after `time` (s).
+    /// At a point whose distance (m) is too much below what it was at the `start` and what it should `keep`, after
+    /// `time` (s).
     fn new(
         (body, other): (usize, Option<usize>),
         [start, now, keep]: [Real; 3],
