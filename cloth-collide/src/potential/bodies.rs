@@ -35,8 +35,8 @@ impl<'a> Substep<'a> {
         }
     }
 
-    fn body(&self, constraint: &BodyConstraint) -> &'a Obstacle {
-        &self.bodies[constraint.body as usize].0
+    fn body(&self, contact: &BodyConstraint) -> &'a Obstacle {
+        &self.bodies[contact.body as usize].0
     }
 }
 
@@ -61,13 +61,13 @@ struct BodyConstraint {
 /// All vertices and bodies.
 #[derive(Debug, Default)]
 pub(super) struct Bodies {
-    constraints: Vec<BodyConstraint>,
+    list: Vec<BodyConstraint>,
     /// Of each body and each vertex: a lower bound of its distance (m) where it was at `places` (m), with the body
     /// where it is at the start of the substep.
     bounds: Vec<Real>,
     places: Vec<Vec3>,
     /// Tangential displacement there (m).
-    tangential_displacements: Vec<Vec3>,
+    tangential: Vec<Vec3>,
     /// Whether the approach of constraints is wanted.
     pub(super) measures_approach: bool,
     /// Whether a vertex has a constraint for a body.
@@ -86,33 +86,33 @@ fn displacement_of(body: &Obstacle, x: Vec3, dt: Real) -> Real {
 
 impl Bodies {
     pub(super) fn len(&self) -> usize {
-        self.constraints.len()
+        self.list.len()
     }
 
     /// Forgets all that is known of distances and friction.
     pub(super) fn forget(&mut self, vertices: usize, bodies: usize) {
-        self.constraints.clear();
+        self.list.clear();
         let count = vertices * bodies;
         self.bounds.clear();
         self.bounds.resize(count, Real::NEG_INFINITY);
         self.places.clear();
         self.places.resize(count, Vec3::zeros());
-        self.tangential_displacements.clear();
-        self.tangential_displacements.resize(count, Vec3::zeros());
+        self.tangential.clear();
+        self.tangential.resize(count, Vec3::zeros());
         self.has_constraint.clear();
         self.has_constraint.resize(count, false);
     }
 
     /// Begins a substep: constraints for the vertices that can touch a body on their path to `to` (m).
     pub(super) fn begin(&mut self, substep: &Substep<'_>, to: &[Vec3]) {
-        self.constraints.clear();
+        self.list.clear();
         self.has_constraint.fill(false);
         let reach = substep.near.law.range() * (1.0 + SLACK);
-        self.each_near(substep, to, reach, |list, index, constraint| {
-            constraint.set_law(substep);
-            constraint.state.origin -= list.tangential_displacements[index];
-            list.has_constraint[index] = true;
-            list.constraints.push(*constraint);
+        self.each_near(substep, to, reach, |bodies, index, contact| {
+            contact.set_law(substep);
+            contact.state.origin -= bodies.tangential[index];
+            bodies.has_constraint[index] = true;
+            bodies.list.push(*contact);
         });
     }
 
@@ -149,12 +149,12 @@ impl Bodies {
                 let at = body.signed_distance(*from, 0.0);
                 (self.bounds[index], self.places[index]) = (at.value, *from);
                 if at.value - lipschitz * ((to - from).norm() + of_body) >= reach {
-                    self.tangential_displacements[index] = Vec3::zeros();
+                    self.tangential[index] = Vec3::zeros();
                     continue;
                 }
                 let motion = body.motion();
                 let local = motion.pose.to_local(*from);
-                let mut constraint = BodyConstraint {
+                let mut contact = BodyConstraint {
                     vertex: vertex as u32,
                     body: number as u32,
                     distance: at.value,
@@ -165,8 +165,8 @@ impl Bodies {
                     },
                     ..BodyConstraint::default()
                 };
-                constraint.state.origin = motion.pose_at(step.dt).to_world(local);
-                visit(self, index, &mut constraint);
+                contact.state.origin = motion.pose_at(step.dt).to_world(local);
+                visit(self, index, &mut contact);
             }
         }
     }
@@ -194,17 +194,14 @@ impl Bodies {
 
     /// Projects each vertex out of the bodies, where they are at the end of the substep.
     pub(super) fn sweep(&mut self, substep: &Substep<'_>, x: &mut [Vec3]) {
-        for constraint in &mut self.constraints {
-            let v = constraint.vertex as usize;
-            let at = substep
-                .body(constraint)
-                .signed_distance(x[v], substep.step.dt);
-            let (inverse_effective_mass, before) =
-                (substep.step.inverse_mass[v], constraint.state.lambda);
-            if let Some(push) = constraint.state.project(&at, x[v], inverse_effective_mass) {
-                constraint.normal = at.normal;
-                constraint.pressure += at.gradient() * (constraint.state.lambda - before);
-                x[v] += push * inverse_effective_mass;
+        for contact in &mut self.list {
+            let v = contact.vertex as usize;
+            let at = substep.body(contact).signed_distance(x[v], substep.step.dt);
+            let (inverse_mass, before) = (substep.step.inverse_mass[v], contact.state.lambda);
+            if let Some(push) = contact.state.project(&at, x[v], inverse_mass) {
+                contact.normal = at.normal;
+                contact.pressure += at.gradient() * (contact.state.lambda - before);
+                x[v] += push * inverse_mass;
             }
         }
     }
@@ -212,55 +209,47 @@ impl Bodies {
     /// How many vertices come too near on their path to `x` (m); those get constraints.
     pub(super) fn violations(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> u32 {
         let reach = KEPT * substep.near.law.range();
-        self.each_near(substep, x, reach, |list, index, constraint| {
-            if !constraint.is_safe(substep, x) {
-                constraint.set_law(substep);
-                list.has_constraint[index] = true;
-                list.constraints.push(*constraint);
+        self.each_near(substep, x, reach, |bodies, index, contact| {
+            if !contact.is_safe(substep, x) {
+                contact.set_law(substep);
+                bodies.has_constraint[index] = true;
+                bodies.list.push(*contact);
             }
         });
         let mut count = 0;
-        for constraint in &mut self.constraints {
-            constraint.is_violated = !constraint.is_safe(substep, x);
-            count += u32::from(constraint.is_violated);
+        for contact in &mut self.list {
+            contact.is_violated = !contact.is_safe(substep, x);
+            count += u32::from(contact.is_violated);
         }
         count
     }
 
     /// The vertices that have come too near.
     pub(super) fn violated(&self) -> impl Iterator<Item = u32> + '_ {
-        let constraints = self
-            .constraints
-            .iter()
-            .filter(|constraint| constraint.is_violated);
-        constraints.map(|constraint| constraint.vertex)
+        let violated = self.list.iter().filter(|contact| contact.is_violated);
+        violated.map(|contact| contact.vertex)
     }
 
     /// Constraints of those, on the way to `x` (m), give in no more.
     pub(super) fn harden(&mut self, substep: &Substep<'_>, x: &[Vec3]) {
-        for constraint in self
-            .constraints
-            .iter_mut()
-            .filter(|constraint| constraint.is_violated)
-        {
+        for contact in self.list.iter_mut().filter(|contact| contact.is_violated) {
             let at = substep
-                .body(constraint)
-                .signed_distance(x[constraint.vertex as usize], substep.step.dt);
-            constraint
+                .body(contact)
+                .signed_distance(x[contact.vertex as usize], substep.step.dt);
+            contact
                 .state
-                .harden(constraint.distance, LEAST * constraint.thickness, at.value);
+                .harden(contact.distance, LEAST * contact.thickness, at.value);
         }
     }
 
     /// What is inside comes out in this substep, not in as many as its law would take.
     pub(super) fn lead_out(&mut self) {
-        for constraint in self
-            .constraints
+        for contact in self
+            .list
             .iter_mut()
-            .filter(|constraint| constraint.distance <= 0.0)
+            .filter(|contact| contact.distance <= 0.0)
         {
-            (constraint.state.compliance, constraint.state.range) =
-                (0.0, LEAST * constraint.thickness);
+            (contact.state.compliance, contact.state.range) = (0.0, LEAST * contact.thickness);
         }
     }
 
@@ -277,16 +266,13 @@ impl Bodies {
             }
         }
         let mut work = 0.0;
-        for constraint in &self.constraints {
-            let v = constraint.vertex as usize;
-            let index = constraint.body as usize * step.from.len() + v;
-            self.tangential_displacements[index] =
-                constraint
-                    .state
-                    .tangential_displacement(x[v], constraint.normal, reach);
+        for contact in &self.list {
+            let v = contact.vertex as usize;
+            let index = contact.body as usize * step.from.len() + v;
+            self.tangential[index] = contact.state.tangential(x[v], contact.normal, reach);
             let impulse =
-                (constraint.normal * constraint.state.lambda + constraint.state.friction) / step.dt;
-            work += impulse.dot(&substep.body(constraint).motion().velocity_at(x[v], step.dt));
+                (contact.normal * contact.state.lambda + contact.state.friction) / step.dt;
+            work += impulse.dot(&substep.body(contact).motion().velocity_at(x[v], step.dt));
         }
         work
     }
@@ -302,61 +288,59 @@ impl Bodies {
     ) {
         let step = &substep.step;
         let touching = self
-            .constraints
+            .list
             .iter()
-            .filter(|constraint| constraint.state.lambda > 0.0);
-        for constraint in touching.filter(|constraint| constraint.approach.abs() > least) {
-            let v = constraint.vertex as usize;
+            .filter(|contact| contact.state.lambda > 0.0);
+        for contact in touching.filter(|contact| contact.approach.abs() > least) {
+            let v = contact.vertex as usize;
             out.push(Rebound {
-                vertices: [constraint.vertex; 4],
+                vertices: [contact.vertex; 4],
                 weights: ALONE,
-                normal: constraint.normal,
+                normal: contact.normal,
                 inverse_mass: [step.inverse_mass[v]; 4],
                 inverse_effective_mass: step.inverse_mass[v],
-                approach: constraint.approach / step.dt,
-                of_body: -constraint
+                approach: contact.approach / step.dt,
+                of_body: -contact
                     .normal
-                    .dot(&substep.body(constraint).motion().velocity_at(x[v], step.dt)),
+                    .dot(&substep.body(contact).motion().velocity_at(x[v], step.dt)),
             });
         }
     }
 
     /// Hands `visit` the vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
     pub(super) fn each_impulse(&self, number: usize, dt: Real, mut visit: impl FnMut(usize, Vec3)) {
-        for constraint in self
-            .constraints
+        for contact in self
+            .list
             .iter()
-            .filter(|constraint| constraint.body as usize == number)
+            .filter(|contact| contact.body as usize == number)
         {
-            let impulse = (constraint.pressure + constraint.state.friction) / dt;
-            visit(constraint.vertex as usize, impulse);
+            let impulse = (contact.pressure + contact.state.friction) / dt;
+            visit(contact.vertex as usize, impulse);
         }
     }
 
     /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.
     pub(super) fn record(&self, substep: &Substep<'_>, x: &[Vec3], ledger: &mut Ledger) {
         let dt = substep.step.dt;
-        for constraint in &self.constraints {
-            let (v, number) = (constraint.vertex as usize, constraint.body as usize);
-            let arm = x[v] - substep.body(constraint).motion().pose_at(dt).position;
-            let impulses = [constraint.pressure, constraint.state.friction].map(|push| push / dt);
+        for contact in &self.list {
+            let (v, number) = (contact.vertex as usize, contact.body as usize);
+            let arm = x[v] - substep.body(contact).motion().pose_at(dt).position;
+            let impulses = [contact.pressure, contact.state.friction].map(|push| push / dt);
             ledger.add_obstacle([v, number], impulses, arm);
         }
     }
 
     /// Energy (J) that is stored at `x` (m).
     pub(super) fn energy(&self, bodies: &[Body], near: &Near, x: &[Vec3]) -> Real {
-        let energy = |constraint: &BodyConstraint| {
-            let v = constraint.vertex as usize;
-            let at = bodies[constraint.body as usize]
-                .0
-                .signed_distance(x[v], 0.0);
+        let energy = |contact: &BodyConstraint| {
+            let v = contact.vertex as usize;
+            let at = bodies[contact.body as usize].0.signed_distance(x[v], 0.0);
             near.vertex_area[v] * near.law_at(v).energy(at.value)
         };
         let pushing = self
-            .constraints
+            .list
             .iter()
-            .filter(|constraint| constraint.state.lambda > 0.0);
+            .filter(|contact| contact.state.lambda > 0.0);
         pushing.map(energy).sum()
     }
 }

@@ -92,8 +92,7 @@ impl Constraints {
 
     /// Those that have pushed.
     pub(super) fn touching(&self) -> impl Iterator<Item = &PairConstraint> {
-        self.iter()
-            .filter(|constraint| constraint.state.lambda > 0.0)
+        self.iter().filter(|contact| contact.state.lambda > 0.0)
     }
 
     /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n wᵢ/Δt² of the constraints.
@@ -102,9 +101,9 @@ impl Constraints {
         if !step.inverse_mass.contains(&0.0) {
             return 0.0;
         }
-        for constraint in self.touching() {
-            let push = constraint.normal * constraint.state.lambda + constraint.state.friction;
-            for (v, weight) in ends(constraint.pair.vertices, constraint.weights) {
+        for contact in self.touching() {
+            let push = contact.normal * contact.state.lambda + contact.state.friction;
+            for (v, weight) in ends(contact.pair.vertices, contact.weights) {
                 if step.inverse_mass[v] == 0.0 {
                     sum -= push.dot(&(x[v] - step.from[v])) * weight;
                 }
@@ -158,7 +157,7 @@ impl ContactConstraints for Contacts {
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         self.constraints.bodies.begin(&substep, predicted);
         let bodies = self.constraints.bodies.len();
-        let pushes = |constraint: &&PairConstraint| constraint.role == Role::Pushes;
+        let pushes = |contact: &&PairConstraint| contact.role == Role::Pushes;
         self.constraints.report.queries += self.constraints.iter().count() as u32;
         self.constraints.report.constraints +=
             (self.constraints.iter().filter(pushes).count() + bodies) as u32;
@@ -169,9 +168,9 @@ impl ContactConstraints for Contacts {
         if self.constraints.culled.is_on {
             return;
         }
-        for constraint in self.constraints.lists.iter_mut().flatten() {
-            if constraint.role == Role::Pushes {
-                constraint.project(step.inverse_mass, x);
+        for contact in self.constraints.lists.iter_mut().flatten() {
+            if contact.role == Role::Pushes {
+                contact.project(step.inverse_mass, x);
             }
         }
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
@@ -204,9 +203,9 @@ impl ContactConstraints for Contacts {
                 _ => return self.end_by_zones(step, x),
             }
             if round < REPAIRS {
-                for constraint in self.constraints.lists.iter_mut().flatten() {
-                    if constraint.is_violated {
-                        constraint.harden(x);
+                for contact in self.constraints.lists.iter_mut().flatten() {
+                    if contact.is_violated {
+                        contact.harden(x);
                     }
                 }
                 let substep = Substep::of_cloth(&self.near, &self.bodies, step);
@@ -261,7 +260,7 @@ impl Contacts {
         let touching = constraints.touching();
         energy
             + touching
-                .map(|constraint| constraint.energy(x, near))
+                .map(|contact| contact.energy(x, near))
                 .sum::<Real>()
     }
 
@@ -275,13 +274,12 @@ impl Contacts {
         let (Some(patches), last) = (&mut constraints.patches, &constraints.last) else {
             return true;
         };
-        let visit = |constraints: &mut Vec<PairConstraint>,
+        let visit = |list: &mut Vec<PairConstraint>,
                      pair: &mut NearPair,
                      place: Option<[u32; 2]>,
                      travel| {
             let last = place.map(|[list, index]| &last[list as usize][index as usize]);
-            PairConstraint::add(constraints, pair, last, near, step, (to, travel, reach))
-                - pair.range
+            PairConstraint::add(list, pair, last, near, step, (to, travel, reach)) - pair.range
         };
         patches.detect_for_substep(near, [step.from, to], begins, &mut constraints.lists, visit)
     }
@@ -292,8 +290,8 @@ impl Contacts {
             return None;
         }
         let near = &self.near;
-        let count = test_all(&mut self.constraints.lists, x.len(), &|constraint| {
-            constraint.test(near, step, x)
+        let count = test_all(&mut self.constraints.lists, x.len(), &|contact| {
+            contact.test(near, step, x)
         });
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         Some(count + self.constraints.bodies.violations(&substep, x))
@@ -311,8 +309,8 @@ impl Contacts {
             .lists
             .iter()
             .flatten()
-            .filter(|constraint| constraint.is_violated);
-        let vertices = pairs.flat_map(|constraint| constraint.pair.vertices);
+            .filter(|contact| contact.is_violated);
+        let vertices = pairs.flat_map(|contact| contact.pair.vertices);
         let fractions = &mut constraints.fractions;
         let mut shorten = |v: u32| {
             let v = v as usize;
@@ -342,13 +340,13 @@ impl Contacts {
         ledger.pass(step.dt);
         ledger.add_stops(&self.free, 1.0);
         let constraints = &self.constraints;
-        for constraint in constraints.touching() {
+        for contact in constraints.touching() {
             let impulses = [
-                constraint.normal * constraint.state.lambda,
-                constraint.state.friction,
+                contact.normal * contact.state.lambda,
+                contact.state.friction,
             ]
             .map(|push| push / step.dt);
-            ledger.add_pair(constraint.pair.vertices, constraint.weights, impulses);
+            ledger.add_pair(contact.pair.vertices, contact.weights, impulses);
         }
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         constraints.bodies.record(&substep, x, ledger);
@@ -370,7 +368,7 @@ impl Contacts {
                 .lists
                 .iter()
                 .flatten()
-                .filter(|constraint| constraint.state.lambda > 0.0);
+                .filter(|contact| contact.state.lambda > 0.0);
             rebounds.find(touching, near, step, x);
             constraints
                 .bodies
@@ -486,9 +484,9 @@ fn test_all(
     }
     let constraints = lists.iter_mut().flatten();
     constraints
-        .map(|constraint| {
-            test(constraint);
-            u32::from(constraint.is_violated)
+        .map(|contact| {
+            test(contact);
+            u32::from(contact.is_violated)
         })
         .sum()
 }

@@ -144,11 +144,10 @@ impl Contacts {
                 .each_impulse(number, step.dt, |v, impulse| {
                     free.add(-impulse, x[v] - centre);
                 });
-            for constraint in constraints.touching() {
-                let impulse = (constraint.normal * constraint.state.lambda
-                    + constraint.state.friction)
-                    / step.dt;
-                for (v, weight) in constraint.pair.vertices.into_iter().zip(constraint.weights) {
+            for contact in constraints.touching() {
+                let impulse =
+                    (contact.normal * contact.state.lambda + contact.state.friction) / step.dt;
+                for (v, weight) in contact.pair.vertices.into_iter().zip(contact.weights) {
                     if self.near.body_of(v) == Some(number) {
                         free.add(impulse * weight, x[v as usize] - centre);
                     }

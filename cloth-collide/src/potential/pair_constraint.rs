@@ -77,11 +77,11 @@ impl PairConstraint {
             area: 0.0,
             approach: 0.0,
         });
-        let constraint = &mut constraints[index];
+        let contact = &mut constraints[index];
         let apart = found.range + SLACK * near.law.range();
         if last.is_some() {
-            let now = constraint.pair.gap_along(&constraint.normal, step.from);
-            if now > apart && constraint.pair.gap_along(&constraint.normal, to) > apart {
+            let now = contact.pair.gap_along(&contact.normal, step.from);
+            if now > apart && contact.pair.gap_along(&contact.normal, to) > apart {
                 found.known_at = Real::NEG_INFINITY;
                 return now;
             }
@@ -89,17 +89,17 @@ impl PairConstraint {
         let known = last.filter(|last| {
             last.role == Role::Pushes && travel - found.known_at <= PERSISTENT * near.law.range()
         });
-        constraint.prepare(near, step, to, known);
+        contact.prepare(near, step, to, known);
         if known.is_none() {
-            found.known_at = match constraint.role {
+            found.known_at = match contact.role {
                 Role::Pushes => travel,
                 _ => Real::NEG_INFINITY,
             };
         }
-        if let (Role::Pushes, Some(last)) = (constraint.role, last) {
-            constraint.state.origin -= last.tangential_displacement(step.from, reach);
+        if let (Role::Pushes, Some(last)) = (contact.role, last) {
+            contact.state.origin -= last.tangential(step.from, reach);
         }
-        constraint.distance
+        contact.distance
     }
 
     /// Finds the nearest points at the start of the substep, or takes those that are `known`, and what becomes of the
@@ -159,10 +159,9 @@ impl PairConstraint {
         weighted(self.pair.vertices, self.weights, x)
     }
 
-    /// See [`ConstraintState::tangential_displacement`]; at `x` (m).
-    fn tangential_displacement(&self, x: &[Vec3], reach: Real) -> Vec3 {
-        self.state
-            .tangential_displacement(self.point(x), self.normal, reach)
+    /// See [`ConstraintState::tangential`]; at `x` (m).
+    fn tangential(&self, x: &[Vec3], reach: Real) -> Vec3 {
+        self.state.tangential(self.point(x), self.normal, reach)
     }
 
     #[inline]

@@ -64,21 +64,18 @@ impl Rebounds {
     ) {
         self.list.clear();
         let least = self.least(near);
-        for constraint in touching.filter(|constraint| constraint.approach.abs() > least) {
-            let of_bodies = ends(constraint.pair.vertices, constraint.weights)
-                .filter(|(v, _)| *v >= near.cloth);
+        for contact in touching.filter(|contact| contact.approach.abs() > least) {
+            let of_bodies =
+                ends(contact.pair.vertices, contact.weights).filter(|(v, _)| *v >= near.cloth);
             let moved = of_bodies.map(|(v, w)| (x[v] - step.from[v]) * w);
             self.list.push(Rebound {
-                vertices: constraint.pair.vertices,
-                weights: constraint.weights,
-                normal: constraint.normal,
-                inverse_mass: constraint
-                    .pair
-                    .vertices
-                    .map(|v| step.inverse_mass[v as usize]),
-                inverse_effective_mass: constraint.inverse_effective_mass,
-                approach: constraint.approach / step.dt,
-                of_body: constraint.normal.dot(&moved.sum()) / step.dt,
+                vertices: contact.pair.vertices,
+                weights: contact.weights,
+                normal: contact.normal,
+                inverse_mass: contact.pair.vertices.map(|v| step.inverse_mass[v as usize]),
+                inverse_effective_mass: contact.inverse_effective_mass,
+                approach: contact.approach / step.dt,
+                of_body: contact.normal.dot(&moved.sum()) / step.dt,
             });
         }
     }

@@ -98,7 +98,7 @@ impl ConstraintState {
 
     /// Tangential displacement (m) with the point at `point` (m): friction gives in elastically by `reach` (m), and
     /// what is more is slip. Nothing without a force λ.
-    pub(super) fn tangential_displacement(&self, point: Vec3, normal: Vec3, reach: Real) -> Vec3 {
+    pub(super) fn tangential(&self, point: Vec3, normal: Vec3, reach: Real) -> Vec3 {
         if self.lambda > 0.0 {
             clamp_to_friction_cone(across(point - self.origin, normal), reach)
         } else {
