@@ -30,6 +30,15 @@ impl Bounds {
         bounds
     }
 
+    /// The box around some of the vertices at `x` (m), of which there is at least one.
+    pub(crate) fn of_vertices(vertices: &[u32], x: &[Vec3]) -> Self {
+        let first = Self::around([x[vertices[0] as usize]]);
+        vertices.iter().fold(first, |bounds, &v| Self {
+            lower: bounds.lower.inf(&x[v as usize]),
+            upper: bounds.upper.sup(&x[v as usize]),
+        })
+    }
+
     /// The largest coordinate of a corner, in size (m).
     pub(crate) fn size(&self) -> Real {
         self.lower.amax().max(self.upper.amax())
@@ -68,6 +77,13 @@ impl Bounds {
             all & (self.lower[k] <= other.upper[k]) & (other.lower[k] <= self.upper[k])
         })
     }
+}
+
+/// How far (m) a vertex goes besides a common `shift` (m), at most.
+pub(crate) fn farthest(from: &[Vec3], to: &[Vec3], shift: Vec3) -> Real {
+    let squares = from.iter().zip(to);
+    let squares = squares.map(|(a, b)| (b - a - shift).norm_squared());
+    squares.fold(0.0, Real::max).sqrt()
 }
 
 /// The mean of some positions (m).

@@ -1,10 +1,10 @@
-//! Which pieces of a cloth can touch? Candidates from axis-aligned boxes.
+//! Pairs of primitives that can touch: candidates from axis-aligned boxes.
 //!
 //! # The idea
 //!
 //! Every triangle gets a box around all that it sweeps from one position to the next, moved outwards by half of the
 //! margin. Pieces whose boxes are disjoint cannot come nearer than the margin. A *broad phase* finds the overlapping
-//! pairs without looking at all n². There are three, and they find the same pairs:
+//! pairs without visiting all n². There are three, and they find the same pairs:
 //!
 //! | | how | suits | cost of a search |
 //! |---|---|---|---|

@@ -1,4 +1,4 @@
-//! Do two moving primitives of cloth touch during a step, and when first?
+//! The conservative continuous test: the first time at which two moving primitives of cloth touch.
 //!
 //! All vertices move linearly from where they are at the start, time 0, to where they are at the end, time 1.
 //! [`ContinuousTest`] never misses a contact.
@@ -27,7 +27,7 @@ use cloth_core::math::Real;
 /// that from the origin to the nearest feature of the polygon; as this feature moves, so does the direction: for a face
 /// the normal u(t) × v(t), for an edge e(t) a direction that stays across it, for a corner the vector to it. Then the
 /// left side is a cubic in t, and the convex hull of its four Bernstein coefficients shows how far it is positive. The
-/// test goes on to that time and looks again, until there is no time left or no distance.
+/// test goes on to that time and asks again, until there is no time left or no distance.
 ///
 /// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed
 /// of approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction
@@ -37,8 +37,8 @@ use cloth_core::math::Real;
 ///
 /// Only the sign of the products n · x_k proves anything, not the way in which n was found. So everything about
 /// rounding is in a few lines, and its allowance is subtracted (`src/ccd/reach.rs` has the proof). Where `f64` cannot
-/// tell near from touching, and d = 0, the walk goes on with numbers of twice the length, which can tell apart what is
-/// further than about 1e-29 of the size of the motion.
+/// tell near from touching, and d = 0, the walk goes on with double-double numbers (unevaluated sums of two `f64`),
+/// which can tell apart what is further than about 1e-29 of the size of the motion.
 ///
 /// # What is promised
 ///
@@ -47,7 +47,7 @@ use cloth_core::math::Real;
 /// - The time is 0 only if the distance at the start is not larger than d, to rounding: 1e-14 of the size of the
 ///   motion, or for d = 0 1e-29.
 /// - At most [`ContinuousTest::MOST_STEPS`] steps of constant cost each, on any input: 96 in `f64` for d > 0, 32 for
-///   d = 0 and then 64 with numbers of twice the length. If they are used up, the time is that reached so far
+///   d = 0 and then 64 with double-double numbers. If they are used up, the time is that reached so far
 ///   ([`Stop::Budget`]): early, never late. [`potential`](crate::potential) takes it for a contact: the path is cut
 ///   there, or the pair counts as too near. That costs progress, not safety.
 ///
@@ -62,7 +62,7 @@ use cloth_core::math::Real;
 ///
 /// One is possible in three ways, each of them on the safe side: a pass nearer than can be told (the limits below),
 /// steps that are used up ([`Stop::Budget`]), and, for d = 0, a motion in which the origin goes through the inside of
-/// the face as far as `f64` can tell, which counts as a contact without a closer look. With a slack, [`Stop::Slack`] is
+/// the face as far as `f64` can tell, which counts as a contact without a finer test. With a slack, [`Stop::Slack`] is
 /// no claim of contact: the distance has come down to what was asked for.
 ///
 /// # How many steps

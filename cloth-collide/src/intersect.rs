@@ -1,4 +1,4 @@
-//! Do two triangles meet? Answered exactly.
+//! The exact test whether two triangles meet.
 
 mod apart;
 

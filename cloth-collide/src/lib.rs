@@ -1,11 +1,10 @@
-//! What does the cloth touch: obstacles, or itself? How close does it come? And when, during a step, does it touch
-//! first?
+//! Contact of cloth with obstacles and with itself: distances, the time of the first contact on a path, and forces.
 //!
 //! # The idea
 //!
 //! **Obstacles** are functions: the signed distance φ(x) of a point from a surface. A vertex is kept out by one
 //! inequality, φ(x) ≥ h, whatever the shape and however it moves. [`obstacle`] has the shapes, the search for the first
-//! contact on a path, the law of pressure, and impulses with friction and restitution. (φ is this distance on all
+//! contact on a path, and the law of pressure. (φ is this distance on all
 //! pages; ψ is the energy of contact.)
 //!
 //! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Of n² of them a *broad phase* leaves
@@ -47,9 +46,10 @@
 //! it is; a substep that projects has to end somewhere, and its *last resort* is vertices that stay where the step
 //! began, which is reported (`truncated_count`). So a step is either free of crossings or refused.
 //!
-//! The naive loops are two examples, each compared with the potential of the crate: `examples/first_program.rs`, the
-//! vertices before a floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets. How the loops of the crate
-//! follow from them stands in [`potential`](potential#from-the-naive-loop-to-this-one).
+//! The naive loops are three examples, each compared with the crate: `examples/first_program.rs`, the vertices before a
+//! floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets; `examples/naive_sweep.rs`, sweeps over
+//! constraints with friction. How the loops of the crate follow from them stands in
+//! [`potential`](potential#from-the-naive-loop-to-this-one).
 //!
 //! # Errors and bad input
 //!
@@ -58,7 +58,7 @@
 //! the mesh a [`BuildError`](cloth_core::step::BuildError) that names the setting and its range. In a step,
 //! [`ContactError`](cloth_core::contact::ContactError) says what it cannot work with (the number of vertices, the step
 //! size, a mass, a position that is not finite) and what it cannot keep: a start that crosses already
-//! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no room (`Infeasible`, with the vertex,
+//! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no place (`Infeasible`, with the vertex,
 //! unless pinched cloth may pass). The caller keeps the state that it had. Outside of steps, slices of another length
 //! than the mesh has vertices, and triangles of vertices without a position, panic where `# Panics` says so;
 //! coordinates and settings panic nowhere. A triangle that has lost its area in motion is a segment or a point for the
@@ -66,12 +66,21 @@
 //!
 //! # Threads
 //!
-//! Pairs of primitives between patches of a large cloth are searched on several threads, with the feature `parallel` of
-//! `cloth-core`; all else runs on the thread that calls. A thread fills the lists of its own pairs of patches, and each
-//! list is sorted by d − h and then by vertices; nothing is added up across threads. Sums and sweeps go through these
-//! lists one after the other, without colours; the order matters, to rounding in sums, and in sweeps because they are
-//! Gauss–Seidel. So results are the same bits whatever the number of threads, and the same on every run
-//! (`cloth-bench/tests/contract/thread_parity.rs`).
+//! From 8192 vertices on, with the feature `parallel` of `cloth-core`, three things run on several threads: the
+//! detection of pairs of primitives between patches, the constraints that are made of them, and the continuous tests of
+//! these; all else runs on the thread that calls. A thread fills the lists of its own pairs of patches, and each list
+//! is sorted by d − h and then by vertices; of what threads find only whole numbers are added up, of detections and of
+//! violated constraints. Sums and sweeps go through these lists one after the other, without colours; the order
+//! matters, to rounding in sums, and in sweeps because they are Gauss–Seidel. So results are the same bits whatever the
+//! number of threads, and the same on every run (`cloth-bench/tests/contract/thread_parity.rs`).
+//!
+//! # Meshes
+//!
+//! The cloth, and the surface of a body, is any [`TriMesh`](cloth_core::mesh::TriMesh): open or closed, with edges of
+//! three triangles, with vertices at which two pieces touch alone, with windings of both kinds, through itself at rest.
+//! Only a [`ClosedMesh`](obstacle::ClosedMesh), which has an inside, has to be closed and manifold, its triangles
+//! counter-clockwise seen from outside, and must not pass through itself; what is wrong with it is an
+//! [`ObstacleError`](obstacle::ObstacleError).
 //!
 //! # Add an obstacle shape
 //!
@@ -95,13 +104,12 @@
 //! # When not to use it
 //!
 //! - Cloth that can touch nothing: leave contact out, and no code of this crate runs. With it, a sheet in free fall
-//!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`). A step of
-//!   `implicit-euler` takes 15 ms for a hanging sheet of 64 × 64, and 351 ms as it falls on a ball and can touch itself
-//!   (machine and commit in `cloth-bench/doc/results.md`).
+//!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`). What
+//!   a step takes without contact and with it stands in `cloth-bench/doc/results.md`.
 //! - A floor alone, far from any fold: an element with a penalty on the vertices
 //!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
 //! - Bouncing with methods that minimise: [restitution](potential::PotentialBuilder::restitution) is for those that
-//!   project positions, and [`ImpactLaw`](obstacle::ImpactLaw) for single points.
+//!   project positions.
 //! - Layers in their tens at rest: forces travel through a stack one layer an iteration, and methods cut short at a
 //!   fixed number of iterations leave them out of balance.
 //! - A start that crosses: [`untangle`] first, or let a run do it.
@@ -158,10 +166,8 @@
 //! # Limits
 //!
 //! - Shapes with a signed distance are rigid, and keep the velocities that they were built with, unless the cloth
-//!   pushes them ([`free`](potential::PotentialBuilder::free)); those that deform, or move on any other given path,
-//!   have triangles alone ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A closed rigid mesh
-//!   is a [`ClosedMesh`](obstacle::ClosedMesh) (or [`SampledDistance`](obstacle::SampledDistance)) with a surface of
-//!   the same triangles, an open one, or one through itself, a [`SurfaceOnly`](obstacle::SurfaceOnly) with its surface.
+//!   pushes them. What deforms, moves on any other path, or has no inside has triangles alone: the table in
+//!   [`potential`](potential#bodies).
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
@@ -177,11 +183,11 @@
 //! | `ccd.rs`, `ccd/query.rs` | the conservative continuous test, and what it is asked |
 //! | `ccd/difference.rs` | a vertex and a triangle, or two edges, as one moving polygon |
 //! | `ccd/direction.rs`, `ccd/reach.rs` | directions that may separate it from the origin; for how long they do, with the proof about rounding |
-//! | `ccd/advance.rs`, `ccd/advance/`, `ccd/number.rs` | the walk through time, in `f64` and in numbers of twice the digits |
+//! | `ccd/advance.rs`, `ccd/advance/`, `ccd/number.rs` | the walk through time, in `f64` and in double-double numbers |
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
-//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `surface_only`, `shifted`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`, `impact`; `sweep`; `error` |
-//! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `obstacle_contact`, `near_pairs`, `sleeping`, `patches`, `quiet`, `filter`; `row`, `rows`, `bodies`, `tangent`, `rebound`; `surfaces`, `free`, `stops`; `last_resort`, `zones`; `source`, `forces`, `report`, `sewn`, `let_go`, `pinched`, `builder` |
+//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `surface_only`, `shifted`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`; `sweep`; `error` |
+//! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `obstacle_contact`, `near_pairs`, `culled`, `patches`, `culled_substeps`, `filter`; `pair_constraint`, `constraints`, `bodies`, `tangent`, `rebound`; `surfaces`, `free`, `stops`; `last_resort`, `zones`; `source`, `forces`, `report`, `sewn`, `excluded`, `pinched`, `builder` |
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back`, `during` |
 //! | `broad_phase.rs`, `broad_phase/hierarchy.rs` | what a broad phase is; the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | a grid of cells, and two ways to sort boxes into it |

@@ -31,7 +31,6 @@
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
 //! | v = P/m + g Δt, ω = J⁻¹ L, P ← P + m g Δt + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
 //! | E = ½ k (h − φ)², a barrier below h/2 | [`PenaltyLaw`] |
-//! | Δvₙ = −(1 + e) vₙ, ‖Δvₜ‖ ≤ μ Δvₙ | [`ImpactLaw`] |
 //! | φ(x(t)) = h for the first time | [`first_contact`] |
 //!
 //! # Limits
@@ -44,9 +43,6 @@
 //!
 //! - J. A. Bærentzen and H. Aanæs, Signed distance computation using the angle weighted pseudonormal, *IEEE
 //!   Transactions on Visualization and Computer Graphics* 11(3), 2005. DOI 10.1109/TVCG.2005.49
-//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
-//!   SIGGRAPH 2002. DOI 10.1145/566570.566623. Its section on friction bounds the change of the tangential velocity by
-//!   that of the normal one.
 
 mod animated;
 mod capsule;
@@ -54,7 +50,6 @@ mod closed_mesh;
 mod cuboid;
 mod error;
 mod half_space;
-mod impact;
 mod motion;
 mod penalty;
 mod placed;
@@ -71,8 +66,6 @@ pub use closed_mesh::ClosedMesh;
 pub use cuboid::Cuboid;
 pub use error::ObstacleError;
 pub use half_space::HalfSpace;
-pub use impact::ImpactLaw;
-pub(crate) use impact::hold;
 pub use motion::{Pose, RigidMotion};
 pub use penalty::PenaltyLaw;
 pub use placed::Obstacle;

@@ -49,7 +49,7 @@ pub(crate) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> ([Real; 4], Vec3) {
     }
 }
 
-/// Between the nearest points of two primitives.
+/// Distance of two primitives, with its first derivative.
 ///
 /// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes
 /// from one nearest point to the other, and d = min over s of ‖r‖. The minimum is stationary in s, so ∂d/∂x_k = c_k n

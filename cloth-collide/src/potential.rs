@@ -71,9 +71,10 @@
 //! 1. Patches of triangles that are near each other are found by a broad phase, and stay known while no patch has gone
 //!    farther than that search allowed for (`patches`).
 //! 2. Pairs between two such patches are found once and sorted by d − h (of edges d − h/2). As long as the bound on the
-//!    relative motion of the patches is below the margin of that search, the list is complete, and those that lack more
-//!    than the bound are not evaluated.
-//! 3. Of the rest, a plane with a known normal decides for most that they are out of range (`near_pairs`, `row`).
+//!    relative motion of the patches is below the margin of that search, the list is complete, and those whose
+//!    excess gap is more than the bound are not evaluated.
+//! 3. Of the rest, a plane with a known normal decides for most that they are out of range (`near_pairs`,
+//!    `pair_constraint`).
 //! 4. What is left has its distance computed, and is a term of the sum.
 //!
 //! Each stage may keep a pair too many, and must not lose one. `tests/unit/potential_near_pairs.rs` compares the list
@@ -136,12 +137,12 @@
 //! Pairs of bodies, and of a body with prescribed cloth, are left out: a body that nothing pushes may pass through
 //! itself and others, and prescribed cloth may be inside of one. A triangle with a prescribed corner that crosses a
 //! body at the start of a step passes through it, as nothing could part the two: a flag in its pole. Once the corner is
-//! out, and nothing crosses there, contact is what it was ([`PotentialContacts::held_inside`]). Prescribed parts of the
-//! cloth that cross each other are an error.
+//! out, and nothing crosses there, contact is what it was ([`PotentialContacts::prescribed_inside`]). Prescribed parts
+//! of the cloth that cross each other are an error.
 //!
 //! # Pinched cloth
 //!
-//! Cloth that two bodies leave no room for has no way that keeps the promise. That is an error,
+//! Cloth between two bodies that close on it has no way that keeps the promise. That is an error,
 //! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible), and ends the step where it began; or,
 //! with [`PotentialBuilder::pinched_cloth_passes`], the vertices that have no way pass through one of the bodies, with
 //! their neighbours: through that of the highest number among those in their way. Cloth that crosses a body at the
@@ -177,24 +178,24 @@
 //! | d, ∂d, ∂²d | [`Gap`] |
 //! | m(‖u × v‖²) for two edges u, v (Li et al. 2020, equation 24) | [`Mollifier`] |
 //! | A ψ(d), A m ψ(d) as elements, with both derivatives | [`PairContact`] |
-//! | u, in the plane across n (Li et al. 2020, section 5.4) | `Sticking::displacement`, in `friction` |
-//! | μ λ, n and weights, frozen at the start of the step | `Contacts::stick`, in `source` |
-//! | μ λ f(‖u‖) and its force μ λ f′(‖u‖) u/‖u‖ | `Sticking::add_gradient`, in `friction` |
-//! | its Hessian, along u/‖u‖ and n × u/‖u‖ | `Sticking::rows`, in `friction` |
-//! | ‖f‖ ≤ μ λ of a constraint, in each sweep | `UnilateralConstraint::project`, in `tangent` |
+//! | u, in the plane across n (Li et al. 2020, section 5.4) | `FrictionContact::displacement`, in `friction` |
+//! | μ λ, n and weights, frozen at the start of the step | `Contacts::freeze_friction`, in `source` |
+//! | μ λ f(‖u‖) and its force μ λ f′(‖u‖) u/‖u‖ | `FrictionContact::add_gradient`, in `friction` |
+//! | its Hessian, along u/‖u‖ and n × u/‖u‖ | `FrictionContact::rows`, in `friction` |
+//! | ‖f‖ ≤ μ λ of a constraint, in each sweep | `ConstraintState::project`, in `tangent` |
 //! | Σ w ψ(d) of a vertex before a body, and its derivatives | `ObstacleContact`, in `obstacle_contact` |
-//! | which pairs can be near on a path | `near_pairs`, `sleeping` |
+//! | which pairs can be near on a path | `near_pairs`, `culled` |
 //! | bodies behind the cloth | `surfaces` |
 //! | P ← P + m g Δt + ∫f dt of bodies that the cloth pushes | `free` |
 //! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, where such a body meets what does not give way | `stops` |
-//! | C = n·Σ wᵢ xᵢ − d̂, α = 1/(A ψ″), λ ≥ 0 | `row`, `rows`, `bodies`, `tangent` |
-//! | what can touch in a substep or on a path | `patches`; whether anything can, `quiet` |
+//! | C = n·Σ wᵢ xᵢ − d̂, α = 1/(A ψ″), λ ≥ 0 | `pair_constraint`, `constraints`, `bodies`, `tangent` |
+//! | what can touch in a substep or on a path | `patches`; whether anything can, `culled_substeps` |
 //! | the part of its path on which a pair is safe | `time_of_pair`, in `filter` |
 //! | the same for a vertex before a body | `time_of_obstacle`, in `filter` |
 //! | the least of these, for all vertices (`limit`) | `NearPairs::safe_part`, in `filter` |
 //! | a part for each vertex (`limit_each`) | `NearPairs::shorten`, in `filter` |
-//! | min(1, 10 h over the longest path) | `Contacts::share`, in `source` |
-//! | a constraint keeps a tenth of its distance on its path | `Row::is_safe`, in `row` |
+//! | min(1, 10 h over the longest path) | `Contacts::tested_fraction`, in `source` |
+//! | a constraint keeps a tenth of its distance on its path | `PairConstraint::is_safe`, in `pair_constraint` |
 //! | Σ A ψ, Σ A ∂ψ, Σ A ψ″ ∂d ∂dᵀ | [`PotentialContacts`] |
 //!
 //! # Cost
@@ -225,7 +226,7 @@
 //!   for it.
 //! - A body that the cloth pushes is moved before the cloth, and pushed after it. For methods that minimise, a step in
 //!   which that push would have changed its displacement by more than the thickness is too long: cloth a cell away from
-//!   held vertices is pressed flat, and throws the body off. [`PotentialContacts::largest_push`] tells, and
+//!   prescribed vertices is pressed flat, and throws the body off. [`PotentialContacts::largest_push`] tells, and
 //!   [`PotentialContacts::take_back`] lets a caller take the step again as shorter ones, as the runs of `cloth-bench`
 //!   do. XPBD's substeps are short enough.
 //! - There is no restitution for methods that minimise: what bounces is elastic.
@@ -236,22 +237,6 @@
 //!   tenth, 1.9 times at three tenths, 4.6 times where h is as large as a cell
 //!   (`cloth_presses_cloth_as_it_presses_a_body`, of the tests). Forces are in balance all the same; only the gap is
 //!   nearer to h than h − p/κ.
-//!
-//! # Names in the code
-//!
-//! | in the code | in papers |
-//! |---|---|
-//! | row | contact constraint, and the rank-one term of a Hessian |
-//! | look, visit | query, narrow phase |
-//! | room, budget, reach | motion bound: how far something may move until a list is not complete any more |
-//! | lack | d − h (of edges d − h/2), the distance that is missing to contact |
-//! | sleeping, awake, quiet | culled, active, all culled |
-//! | parted | separated by a plane |
-//! | ease | Σ wᵢ²/mᵢ, inverse effective mass |
-//! | stretch, sticking | tangential displacement of a contact that sticks |
-//! | lead | predictor of the iteration, by a substep of constraints |
-//! | let go | excluded pairs |
-//! | held | vertices left where the step began |
 //!
 //! # References
 //!
@@ -269,26 +254,26 @@
 
 mod bodies;
 mod builder;
+mod constraints;
+mod culled;
+mod culled_substeps;
+pub(crate) mod excluded;
 mod filter;
 mod forces;
 mod free;
 mod friction;
 mod last_resort;
-pub(crate) mod let_go;
 mod mollifier;
 mod near;
 mod near_pairs;
 mod obstacle_contact;
 mod pair;
+mod pair_constraint;
 mod patches;
 mod pinched;
-mod quiet;
 mod rebound;
 mod report;
-mod row;
-mod rows;
 pub(crate) mod sewn;
-mod sleeping;
 mod source;
 mod stops;
 mod surfaces;

@@ -1,4 +1,4 @@
-//! How far is the cloth from touching itself, and where it does, how often?
+//! The smallest distance of a cloth from itself, and the pairs of its triangles that meet.
 
 mod bodies;
 mod surface;
@@ -12,7 +12,7 @@ use crate::error::CollideError;
 use crate::incidence::Incidence;
 use crate::intersect::{segment_meets_triangle, triangles_meet};
 use crate::pair::{Pair, nearest as nearest_points};
-use crate::potential::let_go::LetGo;
+use crate::potential::excluded::Excluded;
 use crate::potential::sewn::Sewn;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -71,7 +71,7 @@ pub struct Separation {
 pub struct SeparationProbe {
     pairs: TrianglePairs,
     incidence: Incidence,
-    excluded: LetGo,
+    excluded: Excluded,
     sewn: Sewn,
     vertex_count: usize,
 }
@@ -83,7 +83,7 @@ impl SeparationProbe {
         Self {
             pairs: TrianglePairs::new(mesh),
             incidence: Incidence::new(mesh),
-            excluded: LetGo::default(),
+            excluded: Excluded::default(),
             sewn: Sewn::default(),
             vertex_count: mesh.vertex_count(),
         }
@@ -94,13 +94,13 @@ impl SeparationProbe {
     /// each vertex. A vertex beyond its end is in no region.
     #[must_use]
     pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
-        self.excluded = LetGo::new(region, pairs);
+        self.excluded = Excluded::new(region, pairs);
         self
     }
 
     /// Without pairs of triangles that meet at a seam, as
-    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the vertices. What has a vertex that
-    /// there is not is left out.
+    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the vertices. What names a vertex
+    /// beyond those of the mesh is left out.
     #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
         self.sewn = Sewn::new(pairs, onto_edges, self.vertex_count);

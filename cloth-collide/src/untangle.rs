@@ -73,9 +73,9 @@
 //!
 //! - A contour that only just leads off a body at a rim of the cloth says little about the way, as for a hand that is
 //!   half in a sleeve and half beside it; such starts stall.
-//! - Held vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. Two
-//!   tubes or garments through each other from rim to rim stall: either side of each could be the inside. The positions
-//!   are then finite, and no more tangled than the report says.
+//! - Prescribed vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an
+//!   answer. Two tubes or garments through each other from rim to rim stall: either side of each could be the inside.
+//!   The positions are then finite, and no more tangled than the report says.
 //! - Which part is right is a guess by size, and may be the wrong one.
 //! - Pushes can make the contour longer for a while.
 //! - Untangled means that no triangles meet, exactly; the distance may be tiny until [`project_back`] has opened it.
@@ -176,7 +176,7 @@ pub struct UntangleProgress {
 /// What is around a cloth that is pulled apart.
 #[derive(Clone, Copy, Debug, Default)]
 struct World<'a> {
-    /// Of all vertices (1/kg), 0 for held ones and those of bodies.
+    /// Of all vertices (1/kg), 0 for prescribed ones and those of bodies.
     inverse_mass: &'a [Real],
     /// What keeps it from itself and from bodies, in a simulation.
     contacts: Option<&'a PotentialContacts>,
@@ -189,7 +189,7 @@ impl World<'_> {
         self.contacts.is_none_or(|contacts| {
             contacts
                 .near()
-                .parts(corners, corners.iter().flatten().any(is_free))
+                .keeps_apart(corners, corners.iter().flatten().any(is_free))
         })
     }
 
@@ -208,7 +208,7 @@ const SMOOTHINGS: [u32; 3] = [8, 2, 0];
 const PUSH_SMOOTHINGS: u32 = 40;
 /// A step that leaves more than this part of the length is not worth while,
 const WORTHWHILE: Real = 0.95;
-/// and an attempt is given up after so many iterations without fewer pairs or a length worth while.
+/// and an attempt is given up after this many iterations without fewer pairs or a length worth while.
 const PATIENCE: u32 = 30;
 /// Shortest step, as a part of the longest.
 const SHORTEST: Real = 1e-4;
@@ -220,7 +220,7 @@ impl Untangler {
         Self::among(mesh, mesh.vertex_count(), &[])
     }
 
-    /// For the cloth of the first so many vertices of `mesh`, with pairs of them that are sewn together; what follows
+    /// For the first `cloth` vertices of `mesh`, with pairs of them that are sewn together; what follows
     /// are bodies.
     fn among(mesh: &TriMesh, cloth: usize, sewn: &[[u32; 2]]) -> Self {
         let side = |t: [u32; 3]| {
@@ -259,7 +259,7 @@ impl Untangler {
         Ok(self.contour.length())
     }
 
-    /// The pairs of triangles that met when positions were last looked at: those that an attempt to untangle has left.
+    /// The pairs of triangles that met at the positions of the last call: those that an attempt to untangle has left.
     #[must_use]
     pub fn pairs(&self) -> &[[u32; 2]] {
         &self.contour.meeting
@@ -346,7 +346,7 @@ impl Untangler {
         self.push(positions, world)?;
         Ok(())
     }
-    /// Goes down the gradient, averaged in so many `rounds`, by `step` (m) or less, so that the contour becomes shorter
+    /// Goes down the gradient, averaged in `rounds` rounds, by `step` (m) or less, so that the contour becomes shorter
     /// or goes away. How far it went, if it does.
     fn descend(
         &mut self,

@@ -20,7 +20,7 @@ pub(super) struct Timed {
     /// Those that ended with pinched cloth in a body, and how many of its vertices at most.
     pub(super) pinched_steps: u32,
     pub(super) most_pinched: u32,
-    /// Held vertices that were in a body at any time, and its number each; see [`PotentialContacts::held_inside`].
+    /// Held vertices that were in a body at any time, and its number each; see [`PotentialContacts::prescribed_inside`].
     pub(super) held_inside: Vec<[u32; 2]>,
 }
 
@@ -97,7 +97,7 @@ impl Timed {
         };
         self.pinched_steps += u32::from(pinched > 0);
         self.most_pinched = self.most_pinched.max(pinched);
-        let held = self.source.contacts.held_inside().iter();
+        let held = self.source.contacts.prescribed_inside().iter();
         let known = &mut self.held_inside;
         let new: Vec<_> = held.filter(|pair| !known.contains(pair)).collect();
         known.extend(new);

@@ -6,7 +6,7 @@ pub use surfaces::BodySurface;
 
 use crate::error::BenchError;
 use crate::settings::{Auto, Choice, Or, Range::*, Settings, Table};
-use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, RigidMotion};
+use cloth_collide::obstacle::{AnimatedMesh, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::{BroadPhaseKind, SeparationProbe};
 use cloth_core::energy::Seam;
@@ -202,8 +202,6 @@ impl ContactSetup {
         let (surface, own) = (Surface::read(settings)?, Contact::read(settings)?);
         let (stiffness, friction, restitution) =
             (*own.contact_stiffness, *surface.friction, *own.restitution);
-        ImpactLaw::new(friction, restitution.unwrap_or(0.0))
-            .map_err(|error| settings.blame([], error))?;
         let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         let (mut obstacles, mut frictions, mut notes) = (Vec::new(), Vec::new(), Vec::new());

@@ -137,7 +137,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
         }
     }
 
-    /// Whether two primitives have overlapping boxes, and are not parted by the plane across the line between their
+    /// Whether two primitives have overlapping boxes, and are not separated by the plane across the line between their
     /// nearest points halfway.
     #[inline]
     fn can_touch(&self, pair: Pair, [from, to]: [&[Vec3]; 2], margin: Real) -> bool {

@@ -1,4 +1,4 @@
-//! Which triangles of a cloth have overlapping boxes?
+//! Pairs of triangles of a cloth with overlapping boxes.
 
 use super::order::PairSorter;
 use super::{BroadPhase, Hierarchy};

@@ -12,7 +12,7 @@ use cloth_core::math::{Real, Vec3};
 
 pub(super) const MOST_STEPS: u32 = 96;
 
-/// Steps in `f64` before it is left to double precision, where that can be used.
+/// Steps in `f64` before it is left to double-double numbers, where that can be used.
 const PATIENCE: u32 = MOST_STEPS - fine::BUDGET;
 
 /// A polygon that is followed while it is certain to be further than the separation from the origin.
@@ -50,7 +50,7 @@ where
     }
 
     /// Whether, as far as `f64` can tell, the origin goes through the inside of the face within a few `trial`s after
-    /// `time`. Then there is no need to look closer. A wrong yes would be a contact too many, which is safe.
+    /// `time`. Then there is no need for a finer test. A wrong yes would be a contact too many, which is safe.
     fn goes_through(&self, time: Real, trial: Real) -> bool {
         let before = self.polygon.at(time).map(Into::into);
         let after = self.polygon.at((time + 8.0 * trial).min(1.0));
@@ -61,7 +61,7 @@ where
         inside(&before) && inside(&after) && steady(Feature::Face, &before).is_some_and(across)
     }
 
-    /// The share of the motion from `x` to `end` that the direction which follows `feature` certifies.
+    /// The fraction of the motion from `x` to `end` that the direction which follows `feature` certifies.
     fn reach_of<S: Number>(
         &self,
         feature: Feature,

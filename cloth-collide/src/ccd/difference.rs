@@ -1,4 +1,4 @@
-//! Both kinds of query are one: when does the origin meet a moving polygon?
+//! Both kinds of query as one: the origin before a moving polygon.
 
 use super::Query;
 use super::number::{Number, Triple, exact_sum, power_for};

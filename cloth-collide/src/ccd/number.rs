@@ -1,5 +1,5 @@
-//! Two kinds of number to calculate with: `f64`, and pairs of `f64` with twice the digits for what is nearer than `f64`
-//! can tell.
+//! Two kinds of number to calculate with: `f64`, and double-double numbers, unevaluated sums of two `f64`, for what is
+//! nearer than `f64` can tell.
 
 use cloth_core::math::{Real, Vec3};
 use std::ops::{Add, Mul, Sub};

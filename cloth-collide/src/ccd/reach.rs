@@ -1,4 +1,4 @@
-//! For how long is the polygon certainly further than the separation from the origin? The only place where something is
+//! How long the polygon is certainly further than the separation from the origin: the only place where something is
 //! proved.
 //!
 //! Let x_k(t) be the corners of the polygon and n(t) any direction, for s in 0..=1 over an interval of time. If
@@ -25,8 +25,8 @@
 //! in u² and with the rounding of N and S themselves; and this is subtracted. What underflows does not matter, as N is
 //! of order one and S at least 2⁻⁵².
 //!
-//! Numbers of twice the digits are rounded to `f64` for a first look, which takes another 2 u N S; there twice the
-//! above is subtracted.
+//! Double-double numbers are rounded to `f64` for a first test, which takes another 2 u N S; there twice the above is
+//! subtracted.
 
 use super::direction::MovingDirection;
 use super::number::{Number, Triple, dot, value};
@@ -180,8 +180,8 @@ fn positive_until<const N: usize>(coefficients: [Real; N]) -> Real {
             if above > 0.0 {
                 let crossing = i as Real + (k - i) as Real * (above / (above - below));
                 // If `below` is tiny the quotient rounds to one.
-                let share = (crossing / (N - 1) as Real).min(1.0 - Real::EPSILON);
-                until = until.min(share);
+                let fraction = (crossing / (N - 1) as Real).min(1.0 - Real::EPSILON);
+                until = until.min(fraction);
             }
         }
     }

@@ -71,7 +71,8 @@ impl fmt::Display for ObstacleError {
                 first: [a, b],
             } => write!(
                 f,
-                "the mesh is not closed: {boundary_edge_count} edges have one triangle only, the first from vertex {a} to vertex {b}"
+                "the mesh is not closed: {boundary_edge_count} edges have one triangle only, the first from vertex {a} \
+                 to vertex {b}"
             ),
             Self::MixedWinding { edge: [a, b] } => write!(
                 f,

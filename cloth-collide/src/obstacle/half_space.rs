@@ -2,7 +2,7 @@
 
 use super::{Distance, ObstacleError, SignedDistance, finite, positive};
 use crate::bounds::Bounds;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::Vec3;
 
 /// All points with n·x ≤ 0: a floor, a slope, a wall. φ(x) = n·x.
 ///
@@ -33,15 +33,6 @@ impl HalfSpace {
             // Scaled first, so that squares neither overflow nor vanish.
             normal: (normal / largest).normalize(),
         })
-    }
-
-    /// A half-space whose surface is inclined by `angle` (rad) against the ground z = 0: downhill is along
-    /// cos(angle) x − sin(angle) z.
-    ///
-    /// # Errors
-    /// [`ObstacleError::NonFinite`].
-    pub fn inclined(angle: Real) -> Result<Self, ObstacleError> {
-        Self::new(Vec3::new(angle.sin(), 0.0, angle.cos()))
     }
 }
 

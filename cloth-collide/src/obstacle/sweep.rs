@@ -1,40 +1,31 @@
-//! When does a vertex on its path meet an obstacle that moves?
+//! The first contact of a vertex on its path with an obstacle that moves.
 
 use super::{Distance, Obstacle};
 use cloth_core::math::{Real, Vec3};
 
-/// The path of a vertex: x(t) = x₀ + t v + ½ t² a.
+/// The straight path of a vertex: x(t) = x₀ + t v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexPath {
     /// Where it starts, x₀ (m).
     pub from: Vec3,
-    /// Velocity at the start, v (m/s).
+    /// Velocity, v (m/s).
     pub velocity: Vec3,
-    /// Acceleration, a (m/s²): zero for a straight path.
-    pub acceleration: Vec3,
 }
 
 impl VertexPath {
-    /// The straight path between two positions (m), taken in `duration` (s).
+    /// That between two positions (m), taken in `duration` (s).
     #[must_use]
     pub fn straight(from: Vec3, to: Vec3, duration: Real) -> Self {
         Self {
             from,
             velocity: (to - from) / duration,
-            acceleration: Vec3::zeros(),
         }
     }
 
     /// Position (m) after `time` (s).
     #[must_use]
     pub fn position(&self, time: Real) -> Vec3 {
-        self.from + (self.velocity + self.acceleration * (0.5 * time)) * time
-    }
-
-    /// Velocity (m/s) after `time` (s).
-    #[must_use]
-    pub fn velocity_at(&self, time: Real) -> Vec3 {
-        self.velocity + self.acceleration * time
+        self.from + self.velocity * time
     }
 }
 
@@ -62,13 +53,13 @@ const MOST_EVALUATIONS: u32 = 512;
 /// *Conservative advancement*: from the distance f = φ − h at one time, its rate ḟ and bounds on how fast it can
 /// change, follows a time until which there is no contact; that long the vertex is moved on, and asked again. With Λ of
 /// [`super::SignedDistance::lipschitz`], the relative velocity u of vertex and surface, and bounds over the rest of the
-/// path for its size, S = max ‖v − v_p‖ + ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle, A = ‖a‖ +
-/// 2‖ω‖ max ‖v − v_p‖ + ‖ω‖² max ‖x − p‖, the best of these counts:
+/// path for its size, S = ‖v − v_p‖ + ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle, A = 2‖ω‖ ‖v −
+/// v_p‖ + ‖ω‖² max ‖x − p‖, the best of these counts:
 ///
 /// - f(t + s) ≥ f − Λ S s;
 /// - f(t + s) ≥ f − Λ (‖u‖ s + ½ A s²): each evaluation leaves 1 − cos (angle of impact) of the distance;
-/// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex and Λ = 1. It is Newton's method coming from the safe side: for
-///   straight paths without rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a
+/// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex and Λ = 1. It is Newton's method coming from the safe side: without
+///   rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a
 ///   few.
 ///
 /// So the time is never late: the vertex is not inside before. It is zero only if the start is in contact. A graze of a
@@ -77,7 +68,7 @@ const MOST_EVALUATIONS: u32 = 512;
 /// f/Λ in each evaluation: a path of more than 512 f/Λ spends them and stops early, see [`FirstContact::certain`].
 ///
 /// A vertex that is nearer than h from the start is in contact at once if it comes nearer; if it moves away (known for
-/// convex shapes only), it is let go, and found when it comes back.
+/// convex shapes only), it is passed over, and found when it comes back.
 ///
 /// Arguments that are not finite give a contact at time 0 that is not certain.
 #[must_use]
@@ -91,7 +82,7 @@ pub fn first_contact(
     let motion = obstacle.motion();
     let shape = obstacle.shape();
     let spin = motion.angular_velocity.norm();
-    let fall = path.acceleration.norm();
+    let speed = (path.velocity - motion.velocity).norm();
     let mut time = 0.0;
     let mut evaluations = 0;
     loop {
@@ -107,10 +98,9 @@ pub fn first_contact(
             })
         };
         let centre = motion.pose.position + motion.velocity * (start + time);
-        let velocity = path.velocity_at(time);
         let surface = motion.velocity_at(position, start + time);
         let distance = there.value - thickness;
-        let rate = there.gradient().dot(&(velocity - surface));
+        let rate = there.gradient().dot(&(path.velocity - surface));
         // What rounding may do to the distance.
         let far = path.from.amax() + position.amax() + centre.amax() + thickness;
         let turned = spin * (start + time).abs();
@@ -124,19 +114,14 @@ pub fn first_contact(
         if evaluations == MOST_EVALUATIONS {
             return found(false);
         }
-        // The relative velocity is linear in time, so it is largest at an end.
-        let left = duration - time;
-        let speed = (velocity - motion.velocity)
-            .norm()
-            .max((path.velocity_at(duration) - motion.velocity).norm());
-        let reach = (position - centre).norm() + left * speed;
+        let reach = (position - centre).norm() + (duration - time) * speed;
         let safe = (distance - 0.5 * rounding).max(0.0);
         let by_speed = safe / (shape.lipschitz() * (speed + spin * reach));
-        let acceleration = fall + 2.0 * spin * speed + spin * spin * reach;
+        let acceleration = 2.0 * spin * speed + spin * spin * reach;
         let by_rate = if shape.is_convex() {
             free_time(safe, rate, acceleration)
         } else {
-            let steepest = shape.lipschitz() * (velocity - surface).norm();
+            let steepest = shape.lipschitz() * (path.velocity - surface).norm();
             free_time(safe, -steepest, shape.lipschitz() * acceleration)
         };
         let step = by_speed.max(by_rate);

@@ -1,11 +1,11 @@
 //! Vertices before bodies, as constraints whose distance is evaluated in every sweep.
 
+use super::constraints::{KEPT, LEAST, SLACK};
 use super::forces::Ledger;
 use super::friction::ALONE;
 use super::near::Near;
 use super::rebound::Rebound;
-use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, UnilateralConstraint};
+use super::tangent::{ConstraintState, Tangent};
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
@@ -35,21 +35,21 @@ impl<'a> Substep<'a> {
         }
     }
 
-    fn body(&self, row: &Row) -> &'a Obstacle {
-        &self.bodies[row.body as usize].0
+    fn body(&self, contact: &BodyConstraint) -> &'a Obstacle {
+        &self.bodies[contact.body as usize].0
     }
 }
 
 /// A vertex that can touch a body in this substep.
 #[derive(Clone, Copy, Debug, Default)]
-struct Row {
+struct BodyConstraint {
     vertex: u32,
     body: u32,
     /// At the start of the substep (m).
     distance: Real,
     /// h (m).
     thickness: Real,
-    state: UnilateralConstraint,
+    state: ConstraintState,
     is_violated: bool,
     /// That of the last visit, and the push (kg m) along those of all visits.
     normal: Vec3,
@@ -61,17 +61,17 @@ struct Row {
 /// All vertices and bodies.
 #[derive(Debug, Default)]
 pub(super) struct Bodies {
-    rows: Vec<Row>,
+    list: Vec<BodyConstraint>,
     /// Of each body and each vertex: a lower bound of its distance (m) where it was at `places` (m), with the body
     /// where it is at the start of the substep.
-    rooms: Vec<Real>,
+    bounds: Vec<Real>,
     places: Vec<Vec3>,
-    /// By how much friction has been stretched there (m).
-    stretches: Vec<Vec3>,
-    /// Whether the approach of rows is wanted.
+    /// Tangential displacement there (m).
+    tangential: Vec<Vec3>,
+    /// Whether the approach of constraints is wanted.
     pub(super) measures_approach: bool,
-    /// Whether a vertex has a row for a body.
-    has_row: Vec<bool>,
+    /// Whether a vertex has a constraint for a body.
+    has_constraint: Vec<bool>,
 }
 
 /// How far a body can go at `x` (m) in `dt` (s).
@@ -86,46 +86,46 @@ fn displacement_of(body: &Obstacle, x: Vec3, dt: Real) -> Real {
 
 impl Bodies {
     pub(super) fn len(&self) -> usize {
-        self.rows.len()
+        self.list.len()
     }
 
     /// Forgets all that is known of distances and friction.
     pub(super) fn forget(&mut self, vertices: usize, bodies: usize) {
-        self.rows.clear();
+        self.list.clear();
         let count = vertices * bodies;
-        self.rooms.clear();
-        self.rooms.resize(count, Real::NEG_INFINITY);
+        self.bounds.clear();
+        self.bounds.resize(count, Real::NEG_INFINITY);
         self.places.clear();
         self.places.resize(count, Vec3::zeros());
-        self.stretches.clear();
-        self.stretches.resize(count, Vec3::zeros());
-        self.has_row.clear();
-        self.has_row.resize(count, false);
+        self.tangential.clear();
+        self.tangential.resize(count, Vec3::zeros());
+        self.has_constraint.clear();
+        self.has_constraint.resize(count, false);
     }
 
-    /// Begins a substep: rows for the vertices that can touch a body on their path to `to` (m).
+    /// Begins a substep: constraints for the vertices that can touch a body on their path to `to` (m).
     pub(super) fn begin(&mut self, substep: &Substep<'_>, to: &[Vec3]) {
-        self.rows.clear();
-        self.has_row.fill(false);
+        self.list.clear();
+        self.has_constraint.fill(false);
         let reach = substep.near.law.range() * (1.0 + SLACK);
-        self.each_near(substep, to, reach, |list, index, row| {
-            row.set_law(substep);
-            row.state.origin -= list.stretches[index];
-            list.has_row[index] = true;
-            list.rows.push(*row);
+        self.each_near(substep, to, reach, |bodies, index, contact| {
+            contact.set_law(substep);
+            contact.state.origin -= bodies.tangential[index];
+            bodies.has_constraint[index] = true;
+            bodies.list.push(*contact);
         });
     }
 
-    /// Hands `visit` each vertex without a row that can come as near as `reach` (m) to a body, with its index.
+    /// Hands `visit` each vertex without a constraint that can come as near as `reach` (m) to a body, with its index.
     fn each_near(
         &mut self,
         Substep { near, bodies, step }: &Substep<'_>,
         to: &[Vec3],
         reach: Real,
-        mut visit: impl FnMut(&mut Self, usize, &mut Row),
+        mut visit: impl FnMut(&mut Self, usize, &mut BodyConstraint),
     ) {
         for (number, (body, _)) in bodies.iter().enumerate() {
-            let (stretch, is_still) = (body.shape().lipschitz(), body.motion().is_still());
+            let (lipschitz, is_still) = (body.shape().lipschitz(), body.motion().is_still());
             let first = number * step.from.len();
             for (vertex, (from, to)) in step.from.iter().zip(to).enumerate() {
                 let index = first + vertex;
@@ -138,23 +138,23 @@ impl Bodies {
                 let displacement = (from - place)
                     .norm_squared()
                     .max((to - place).norm_squared());
-                let left = (self.rooms[index] - reach) / stretch - of_body;
+                let left = (self.bounds[index] - reach) / lipschitz - of_body;
                 let is_far = left >= 0.0 && displacement <= left * left;
-                if is_far || self.has_row[index] || step.inverse_mass[vertex] == 0.0 {
+                if is_far || self.has_constraint[index] || step.inverse_mass[vertex] == 0.0 {
                     continue;
                 }
                 if near.is_inside(vertex) || near.pinched.passes(vertex, number) {
                     continue;
                 }
                 let at = body.signed_distance(*from, 0.0);
-                (self.rooms[index], self.places[index]) = (at.value, *from);
-                if at.value - stretch * ((to - from).norm() + of_body) >= reach {
-                    self.stretches[index] = Vec3::zeros();
+                (self.bounds[index], self.places[index]) = (at.value, *from);
+                if at.value - lipschitz * ((to - from).norm() + of_body) >= reach {
+                    self.tangential[index] = Vec3::zeros();
                     continue;
                 }
                 let motion = body.motion();
                 let local = motion.pose.to_local(*from);
-                let mut row = Row {
+                let mut contact = BodyConstraint {
                     vertex: vertex as u32,
                     body: number as u32,
                     distance: at.value,
@@ -163,10 +163,10 @@ impl Bodies {
                         true => at.value - body.signed_distance(*to, step.dt).value,
                         false => 0.0,
                     },
-                    ..Row::default()
+                    ..BodyConstraint::default()
                 };
-                row.state.origin = motion.pose_at(step.dt).to_world(local);
-                visit(self, index, &mut row);
+                contact.state.origin = motion.pose_at(step.dt).to_world(local);
+                visit(self, index, &mut contact);
             }
         }
     }
@@ -183,9 +183,9 @@ impl Bodies {
             let first = number * substep.near.cloth;
             for (vertex, (x, w)) in x.iter().zip(substep.step.inverse_mass).enumerate() {
                 if *w > 0.0 && !substep.near.is_inside(vertex) {
-                    let room = self.rooms[first + vertex] - h * (1.0 + SLACK);
+                    let bound = self.bounds[first + vertex] - h * (1.0 + SLACK);
                     let displacement = (x - self.places[first + vertex]).norm();
-                    least = least.min(room / body.shape().lipschitz() - displacement);
+                    least = least.min(bound / body.shape().lipschitz() - displacement);
                 }
             }
         }
@@ -194,57 +194,62 @@ impl Bodies {
 
     /// Projects each vertex out of the bodies, where they are at the end of the substep.
     pub(super) fn sweep(&mut self, substep: &Substep<'_>, x: &mut [Vec3]) {
-        for row in &mut self.rows {
-            let v = row.vertex as usize;
-            let at = substep.body(row).signed_distance(x[v], substep.step.dt);
-            let (ease, before) = (substep.step.inverse_mass[v], row.state.lambda);
-            if let Some(push) = row.state.project(&at, x[v], ease) {
-                row.normal = at.normal;
-                row.pressure += at.gradient() * (row.state.lambda - before);
-                x[v] += push * ease;
+        for contact in &mut self.list {
+            let v = contact.vertex as usize;
+            let at = substep.body(contact).signed_distance(x[v], substep.step.dt);
+            let (inverse_mass, before) = (substep.step.inverse_mass[v], contact.state.lambda);
+            if let Some(push) = contact.state.project(&at, x[v], inverse_mass) {
+                contact.normal = at.normal;
+                contact.pressure += at.gradient() * (contact.state.lambda - before);
+                x[v] += push * inverse_mass;
             }
         }
     }
 
-    /// How many vertices come too near on their path to `x` (m); those get rows.
+    /// How many vertices come too near on their path to `x` (m); those get constraints.
     pub(super) fn violations(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> u32 {
         let reach = KEPT * substep.near.law.range();
-        self.each_near(substep, x, reach, |list, index, row| {
-            if !row.is_safe(substep, x) {
-                row.set_law(substep);
-                list.has_row[index] = true;
-                list.rows.push(*row);
+        self.each_near(substep, x, reach, |bodies, index, contact| {
+            if !contact.is_safe(substep, x) {
+                contact.set_law(substep);
+                bodies.has_constraint[index] = true;
+                bodies.list.push(*contact);
             }
         });
         let mut count = 0;
-        for row in &mut self.rows {
-            row.is_violated = !row.is_safe(substep, x);
-            count += u32::from(row.is_violated);
+        for contact in &mut self.list {
+            contact.is_violated = !contact.is_safe(substep, x);
+            count += u32::from(contact.is_violated);
         }
         count
     }
 
     /// The vertices that have come too near.
     pub(super) fn violated(&self) -> impl Iterator<Item = u32> + '_ {
-        let rows = self.rows.iter().filter(|row| row.is_violated);
-        rows.map(|row| row.vertex)
+        let violated = self.list.iter().filter(|contact| contact.is_violated);
+        violated.map(|contact| contact.vertex)
     }
 
-    /// Rows of those, on the way to `x` (m), give in no more.
+    /// Constraints of those, on the way to `x` (m), give in no more.
     pub(super) fn harden(&mut self, substep: &Substep<'_>, x: &[Vec3]) {
-        for row in self.rows.iter_mut().filter(|row| row.is_violated) {
+        for contact in self.list.iter_mut().filter(|contact| contact.is_violated) {
             let at = substep
-                .body(row)
-                .signed_distance(x[row.vertex as usize], substep.step.dt);
-            row.state
-                .harden(row.distance, LEAST * row.thickness, at.value);
+                .body(contact)
+                .signed_distance(x[contact.vertex as usize], substep.step.dt);
+            contact
+                .state
+                .harden(contact.distance, LEAST * contact.thickness, at.value);
         }
     }
 
     /// What is inside comes out in this substep, not in as many as its law would take.
     pub(super) fn lead_out(&mut self) {
-        for row in self.rows.iter_mut().filter(|row| row.distance <= 0.0) {
-            (row.state.compliance, row.state.range) = (0.0, LEAST * row.thickness);
+        for contact in self
+            .list
+            .iter_mut()
+            .filter(|contact| contact.distance <= 0.0)
+        {
+            (contact.state.compliance, contact.state.range) = (0.0, LEAST * contact.thickness);
         }
     }
 
@@ -255,18 +260,19 @@ impl Bodies {
         for (number, (body, _)) in bodies.iter().enumerate() {
             if !body.motion().is_still() {
                 let first = number * step.from.len();
-                for (room, from) in self.rooms[first..].iter_mut().zip(step.from) {
-                    *room -= displacement_of(body, *from, step.dt) * body.shape().lipschitz();
+                for (bound, from) in self.bounds[first..].iter_mut().zip(step.from) {
+                    *bound -= displacement_of(body, *from, step.dt) * body.shape().lipschitz();
                 }
             }
         }
         let mut work = 0.0;
-        for row in &self.rows {
-            let v = row.vertex as usize;
-            let index = row.body as usize * step.from.len() + v;
-            self.stretches[index] = row.state.stretch(x[v], row.normal, reach);
-            let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
-            work += impulse.dot(&substep.body(row).motion().velocity_at(x[v], step.dt));
+        for contact in &self.list {
+            let v = contact.vertex as usize;
+            let index = contact.body as usize * step.from.len() + v;
+            self.tangential[index] = contact.state.tangential(x[v], contact.normal, reach);
+            let impulse =
+                (contact.normal * contact.state.lambda + contact.state.friction) / step.dt;
+            work += impulse.dot(&substep.body(contact).motion().velocity_at(x[v], step.dt));
         }
         work
     }
@@ -281,55 +287,65 @@ impl Bodies {
         out: &mut Vec<Rebound>,
     ) {
         let step = &substep.step;
-        let touching = self.rows.iter().filter(|row| row.state.lambda > 0.0);
-        for row in touching.filter(|row| row.approach.abs() > least) {
-            let v = row.vertex as usize;
+        let touching = self
+            .list
+            .iter()
+            .filter(|contact| contact.state.lambda > 0.0);
+        for contact in touching.filter(|contact| contact.approach.abs() > least) {
+            let v = contact.vertex as usize;
             out.push(Rebound {
-                vertices: [row.vertex; 4],
+                vertices: [contact.vertex; 4],
                 weights: ALONE,
-                normal: row.normal,
+                normal: contact.normal,
                 inverse_mass: [step.inverse_mass[v]; 4],
-                ease: step.inverse_mass[v],
-                approach: row.approach / step.dt,
-                of_body: -row
+                inverse_effective_mass: step.inverse_mass[v],
+                approach: contact.approach / step.dt,
+                of_body: -contact
                     .normal
-                    .dot(&substep.body(row).motion().velocity_at(x[v], step.dt)),
+                    .dot(&substep.body(contact).motion().velocity_at(x[v], step.dt)),
             });
         }
     }
 
     /// Hands `visit` the vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
     pub(super) fn each_impulse(&self, number: usize, dt: Real, mut visit: impl FnMut(usize, Vec3)) {
-        for row in self.rows.iter().filter(|row| row.body as usize == number) {
-            let impulse = (row.pressure + row.state.friction) / dt;
-            visit(row.vertex as usize, impulse);
+        for contact in self
+            .list
+            .iter()
+            .filter(|contact| contact.body as usize == number)
+        {
+            let impulse = (contact.pressure + contact.state.friction) / dt;
+            visit(contact.vertex as usize, impulse);
         }
     }
 
     /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.
     pub(super) fn record(&self, substep: &Substep<'_>, x: &[Vec3], ledger: &mut Ledger) {
         let dt = substep.step.dt;
-        for row in &self.rows {
-            let (v, number) = (row.vertex as usize, row.body as usize);
-            let arm = x[v] - substep.body(row).motion().pose_at(dt).position;
-            let impulses = [row.pressure, row.state.friction].map(|push| push / dt);
+        for contact in &self.list {
+            let (v, number) = (contact.vertex as usize, contact.body as usize);
+            let arm = x[v] - substep.body(contact).motion().pose_at(dt).position;
+            let impulses = [contact.pressure, contact.state.friction].map(|push| push / dt);
             ledger.add_obstacle([v, number], impulses, arm);
         }
     }
 
     /// Energy (J) that is stored at `x` (m).
     pub(super) fn energy(&self, bodies: &[Body], near: &Near, x: &[Vec3]) -> Real {
-        let energy = |row: &Row| {
-            let v = row.vertex as usize;
-            let at = bodies[row.body as usize].0.signed_distance(x[v], 0.0);
+        let energy = |contact: &BodyConstraint| {
+            let v = contact.vertex as usize;
+            let at = bodies[contact.body as usize].0.signed_distance(x[v], 0.0);
             near.vertex_area[v] * near.law_at(v).energy(at.value)
         };
-        let pushing = self.rows.iter().filter(|row| row.state.lambda > 0.0);
+        let pushing = self
+            .list
+            .iter()
+            .filter(|contact| contact.state.lambda > 0.0);
         pushing.map(energy).sum()
     }
 }
 
-impl Row {
+impl BodyConstraint {
     fn set_law(&mut self, Substep { near, bodies, step }: &Substep<'_>) {
         let (v, (_, friction)) = (self.vertex as usize, &bodies[self.body as usize]);
         let law = near.law_at(v);

@@ -1,14 +1,14 @@
 //! Settings of the contact potential, checked.
 
 use super::bodies::Body;
+use super::excluded::Excluded;
 use super::free::FreeBody;
-use super::let_go::LetGo;
 use super::near::{Near, Own, Side};
 use super::patches::Patches;
 use super::rebound::Rebounds;
 use super::sewn::Sewn;
 use super::source::Contacts;
-use super::surfaces::{Motion, PotentialContacts, Surfaces};
+use super::surfaces::{PotentialContacts, SurfaceMotion, Surfaces};
 use crate::broad_phase::BroadPhaseKind;
 use crate::obstacle::{AnimatedMesh, Obstacle, PenaltyLaw, RigidBody};
 use cloth_core::error::{OutOfRange, not_negative, positive};
@@ -39,7 +39,7 @@ pub struct PotentialBuilder<'a> {
     stiffness: Real,
     restitution: Option<Real>,
     obstacles: Vec<Body>,
-    surfaces: Vec<(TriMesh, Motion)>,
+    surfaces: Vec<(TriMesh, SurfaceMotion)>,
     free: Vec<(usize, RigidBody)>,
     /// At which the first step begins (s).
     time: Real,
@@ -100,7 +100,7 @@ impl<'a> PotentialBuilder<'a> {
     /// of a region with itself is one that does not touch itself. Bodies keep out all.
     #[must_use]
     pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
-        self.own.excluded = LetGo::new(region, pairs);
+        self.own.excluded = Excluded::new(region, pairs);
         self
     }
 
@@ -167,7 +167,7 @@ impl<'a> PotentialBuilder<'a> {
     /// surface of the shape or inside, since the signed distance keeps vertices on its own.
     #[must_use]
     pub fn surface(mut self, number: usize, mesh: TriMesh) -> Self {
-        self.surfaces.push((mesh, Motion::Obstacle(number)));
+        self.surfaces.push((mesh, SurfaceMotion::Obstacle(number)));
         self
     }
 
@@ -184,7 +184,7 @@ impl<'a> PotentialBuilder<'a> {
     /// `friction` μ (dimensionless). Its time begins with the first step.
     #[must_use]
     pub fn animated(mut self, mesh: TriMesh, animation: AnimatedMesh, friction: Real) -> Self {
-        let motion = Motion::Own(animation, friction);
+        let motion = SurfaceMotion::Own(animation, friction);
         self.surfaces.push((mesh, motion));
         self
     }
@@ -217,10 +217,9 @@ impl<'a> PotentialBuilder<'a> {
     /// # Errors
     /// [`BuildError::OutOfRange`] for a thickness or stiffness that is not positive and finite, a friction that is
     /// negative or not finite, a restitution outside 0 to 1, thicknesses, frictions or regions of vertices that are not
-    /// as many as these, the surface of an obstacle that there is not, a free one that there is not or that is free
-    /// already, an animation of another number of vertices than its mesh, a sewn vertex that there is not, or vertices
-    /// beyond 2³² together.
-    /// [`BuildError::SettingsConflict`] for restitution beside a free body.
+    /// as many as these, the surface of an obstacle with an unknown number, a free one with an unknown number or one
+    /// that is free already, an animation of another number of vertices than its mesh, a sewn vertex beyond those of
+    /// the cloth, or vertices beyond 2³² together. [`BuildError::SettingsConflict`] for restitution beside a free body.
     pub fn build(mut self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
         let (pairs, onto_edges) = &self.sewn;
@@ -274,14 +273,14 @@ impl<'a> PotentialBuilder<'a> {
         let (for_rows, for_paths) = (patches(), patches());
         let mut contacts = Contacts::new(near, self.obstacles);
         contacts.last_resort.mesh = has_pairs.then(|| mesh.clone());
-        contacts.rows.patches = for_rows;
+        contacts.constraints.patches = for_rows;
         contacts.pairs.patches = for_paths;
         contacts.free.list = free;
-        contacts.rows.rebounds = self.restitution.map(|coefficient| Rebounds {
+        contacts.constraints.rebounds = self.restitution.map(|coefficient| Rebounds {
             coefficient,
             list: Vec::new(),
         });
-        contacts.rows.bodies.measures_approach = self.restitution.is_some();
+        contacts.constraints.bodies.measures_approach = self.restitution.is_some();
         let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces, self.time);
         let mut contacts = PotentialContacts { contacts, surfaces };
         contacts.record_forces(false);
@@ -335,7 +334,7 @@ impl<'a> PotentialBuilder<'a> {
                     "one that is not free already",
                 ));
             }
-            let is_own = |motion: &Motion| matches!(motion, Motion::Obstacle(of) if *of == number);
+            let is_own = |motion: &SurfaceMotion| matches!(motion, SurfaceMotion::Obstacle(of) if *of == number);
             let surfaces = self.surfaces.iter().filter(|(_, motion)| is_own(motion));
             let vertices = surfaces.flat_map(|(mesh, _)| mesh.positions().iter().copied());
             Ok(FreeBody::new(number, body, obstacle, vertices.collect()))
@@ -349,12 +348,12 @@ impl<'a> PotentialBuilder<'a> {
         let mut animated = self.obstacles.len()..;
         for (mesh, motion) in &self.surfaces {
             let (error_bound, friction, body) = match motion {
-                Motion::Obstacle(number) => {
+                SurfaceMotion::Obstacle(number) => {
                     let name = "number of the obstacle with a surface";
                     let (body, friction) = self.body(name, *number)?;
                     (body.shape().error_bound(), *friction, Some(*number))
                 }
-                Motion::Own(animation, friction) => {
+                SurfaceMotion::Own(animation, friction) => {
                     let count = animation.vertex_count();
                     if count != mesh.vertex_count() {
                         let name = "number of vertices of an animation";

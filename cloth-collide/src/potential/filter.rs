@@ -61,7 +61,7 @@ impl NearPairs {
             is_cut |= part < 1.0;
             shorten_one(from, to, parts, v, part);
         }
-        let [mut before, mut now] = std::mem::take(&mut self.shares);
+        let [mut before, mut now] = std::mem::take(&mut self.fractions);
         before.clear();
         before.resize(from.len(), 0.0);
         let mut rounds = 0;
@@ -73,8 +73,8 @@ impl NearPairs {
             let mut take = |vertices: [u32; 4], part: Real| {
                 is_short |= part < 1.0;
                 for vertex in vertices {
-                    let share = &mut now[vertex as usize];
-                    *share = share.min(part);
+                    let fraction = &mut now[vertex as usize];
+                    *fraction = fraction.min(part);
                 }
             };
             for chosen in self.iter() {
@@ -93,7 +93,7 @@ impl NearPairs {
             }
             std::mem::swap(&mut before, &mut now);
         };
-        self.shares = [before, now];
+        self.fractions = [before, now];
         if !is_done {
             let cap = self.safe_part(near, from, to, obstacles);
             shorten_all(from, to, parts, cap);

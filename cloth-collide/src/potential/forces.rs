@@ -186,15 +186,15 @@ impl Contacts {
             ledger.add_obstacle([v, number], forces, arm(v, number));
         }
         let reach = self.reach();
-        for sticking in &self.sticking {
-            let friction = -sticking.force(reach, x).0;
+        for contact in &self.friction {
+            let friction = -contact.force(reach, x).0;
             let forces = [Vec3::zeros(), friction];
-            match sticking.key {
+            match contact.key {
                 Key::Obstacle(key) => {
                     let [v, number] = key.map(|n| n as usize);
                     ledger.add_obstacle([v, number], forces, arm(v, number));
                 }
-                Key::Pair(pair) => ledger.add_pair(pair.vertices, sticking.weights, forces),
+                Key::Pair(pair) => ledger.add_pair(pair.vertices, contact.weights, forces),
             }
         }
         ledger.add_stops(&self.free, 1.0 / self.free.dt);

@@ -133,18 +133,21 @@ impl Contacts {
         if self.free.is_led {
             return;
         }
-        let rows = &self.rows;
+        let constraints = &self.constraints;
         for free in &mut self.free.list {
             let number = free.number;
             let motion = self.bodies[number].0.motion();
             let centre = motion.pose_at(step.dt).position;
             free.impulse = [Vec3::zeros(); 2];
-            rows.bodies.each_impulse(number, step.dt, |v, impulse| {
-                free.add(-impulse, x[v] - centre);
-            });
-            for row in rows.touching() {
-                let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
-                for (v, weight) in row.pair.vertices.into_iter().zip(row.weights) {
+            constraints
+                .bodies
+                .each_impulse(number, step.dt, |v, impulse| {
+                    free.add(-impulse, x[v] - centre);
+                });
+            for contact in constraints.touching() {
+                let impulse =
+                    (contact.normal * contact.state.lambda + contact.state.friction) / step.dt;
+                for (v, weight) in contact.pair.vertices.into_iter().zip(contact.weights) {
                     if self.near.body_of(v) == Some(number) {
                         free.add(impulse * weight, x[v as usize] - centre);
                     }

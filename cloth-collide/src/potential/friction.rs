@@ -16,10 +16,9 @@
 //!   function, which a line search can lower. Where the pressure changes from λ₀ to λ₁ in a step the force is bounded
 //!   by μ λ₀, so the error is the change of μ λ over one step; on landing it is all of it.
 //! - A pair is known by its vertices. Where a contact passes on to the next triangle, u begins at 0 there.
-//! - The constraints of `row` and `bodies` take the λ of the sweep instead, and the same memory of u.
+//! - The constraints of `pair_constraint` and `bodies` take the λ of the sweep instead, and the same memory of u.
 
-use super::tangent::across;
-use crate::obstacle::hold;
+use super::tangent::{across, clamp_to_friction_cone};
 use crate::pair::{Pair, weighted};
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Real, Vec3};
@@ -37,7 +36,7 @@ pub(super) enum Key {
 
 /// Friction of one contact during one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sticking {
+pub(super) struct FrictionContact {
     pub(super) key: Key,
     /// The vertices, and the weights (dimensionless) of the difference of the two contact points.
     pub(super) vertices: [u32; 4],
@@ -46,11 +45,11 @@ pub(super) struct Sticking {
     pub(super) normal: Vec3,
     /// μ λ (N).
     pub(super) most: Real,
-    /// Σ w x (m) at the start, moved along with the body if there is one, and back by what the spring was stretched by.
+    /// Σ w x (m) at the start, moved along with the body if there is one, less the tangential displacement then.
     pub(super) origin: Vec3,
 }
 
-impl Sticking {
+impl FrictionContact {
     /// u (m) at `x` (m).
     #[inline]
     pub(super) fn displacement(&self, x: &[Vec3]) -> Vec3 {
@@ -106,16 +105,16 @@ impl Sticking {
     }
 }
 
-/// What the springs of sticking contacts were stretched by at the end of a step.
+/// The tangential displacements of contacts at the end of a step, at most ε.
 #[derive(Debug, Default)]
-pub(super) struct Stretched {
+pub(super) struct TangentialDisplacements {
     /// In rising order of the contacts (m); and those before the last step.
     displacements: Vec<(Key, Vec3)>,
     before: Vec<(Key, Vec3)>,
 }
 
-impl Stretched {
-    /// The stretch (m) of a contact, zero of a new one.
+impl TangentialDisplacements {
+    /// That of a contact (m), zero of a new one.
     pub(super) fn of(&self, key: Key) -> Vec3 {
         let place = self
             .displacements
@@ -124,13 +123,15 @@ impl Stretched {
     }
 
     /// Replaces all by those at `x` (m); `reach` is ε (m).
-    pub(super) fn replace(&mut self, all: &[Sticking], reach: Real, x: &[Vec3]) {
+    pub(super) fn replace(&mut self, all: &[FrictionContact], reach: Real, x: &[Vec3]) {
         std::mem::swap(&mut self.displacements, &mut self.before);
         self.displacements.clear();
-        self.displacements.extend(
-            all.iter()
-                .map(|sticking| (sticking.key, hold(sticking.displacement(x), reach))),
-        );
+        self.displacements.extend(all.iter().map(|contact| {
+            (
+                contact.key,
+                clamp_to_friction_cone(contact.displacement(x), reach),
+            )
+        }));
         self.displacements.sort_unstable_by_key(|entry| entry.0);
     }
 

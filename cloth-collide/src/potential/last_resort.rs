@@ -10,8 +10,8 @@
 //! [`obstacle`](crate::obstacle#references)).
 
 use super::bodies::Substep;
+use super::constraints::KEPT;
 use super::near::Near;
-use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
 use crate::broad_phase::{BroadPhase, ClothCandidates};
@@ -24,7 +24,7 @@ use cloth_core::mesh::TriMesh;
 
 /// Rounds in which pairs are pushed apart one by one.
 const PUSHES: u32 = 40;
-/// Rounds of growing zones, at most, before vertices are held back.
+/// Rounds of growing zones, at most, before paths are truncated.
 const MOST_ROUNDS: u32 = 20;
 
 /// What brings a substep to an end when nothing else does.
@@ -63,14 +63,15 @@ impl Hit {
         let path = Query::of(self.pair, step.from, x);
         let near = Gap::new(path.kind, &path.at(self.time));
         let ends = || ends(self.pair.vertices, near.weights);
-        let ease: Real = ends().map(|(v, w)| w * w * step.inverse_mass[v]).sum();
+        let inverse_effective_mass: Real = ends().map(|(v, w)| w * w * step.inverse_mass[v]).sum();
         let point = weighted(self.pair.vertices, near.weights, x);
         let missing = self.distance - near.normal.dot(&point);
-        if missing <= 0.0 || ease == 0.0 {
+        if missing <= 0.0 || inverse_effective_mass == 0.0 {
             return;
         }
         for (vertex, weight) in ends() {
-            let displacement = near.normal * (missing / ease * weight * step.inverse_mass[vertex]);
+            let displacement = near.normal
+                * (missing / inverse_effective_mass * weight * step.inverse_mass[vertex]);
             x[vertex] += displacement;
             v[vertex] += displacement / step.dt;
         }
@@ -79,8 +80,8 @@ impl Hit {
 
 impl LastResort {
     /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight paths from
-    /// `step.from` are free. Returns the number of vertices that were held back for it: safe, but behind where contact
-    /// should let them go, and with less momentum.
+    /// `step.from` are free. Returns the number of vertices whose path was truncated for it: safe, but behind where
+    /// contact should let them go, and with less momentum.
     ///
     /// # Errors
     /// [`ContactError::Infeasible`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
@@ -93,7 +94,7 @@ impl LastResort {
         let step = &substep.step;
         self.displacements.resize(x.len(), Vec3::zeros());
         for _ in 0..PUSHES {
-            if self.look(substep, x)? {
+            if self.detect(substep, x)? {
                 break;
             }
             self.hits.iter().for_each(|hit| hit.push(step, x, v));
@@ -101,7 +102,7 @@ impl LastResort {
         self.zones.reset(x.len());
         x.clone_into(&mut self.free);
         for _ in 0..MOST_ROUNDS {
-            self.look(substep, x)?;
+            self.detect(substep, x)?;
             let zones = &mut self.zones;
             let joined = self
                 .hits
@@ -138,9 +139,9 @@ impl LastResort {
         for zone in self.zones.each() {
             make_velocities_rigid(zone, x, v, step.inverse_mass);
         }
-        let held = match self.look(substep, x)? {
+        let truncated = match self.detect(substep, x)? {
             true => 0,
-            false => self.hold_back(substep, x, v)?,
+            false => self.truncate(substep, x, v)?,
         };
         let numbers = x.iter().zip(v.iter());
         let mut finite =
@@ -148,11 +149,11 @@ impl LastResort {
         if let Some(vertex) = finite.position(|is| !is) {
             return Err(ContactError::NonFinite { vertex });
         }
-        Ok(held)
+        Ok(truncated)
     }
 
     /// Leaves vertices where they were until nothing passes through anything. Returns how many.
-    fn hold_back(
+    fn truncate(
         &mut self,
         substep: &Substep<'_>,
         x: &mut [Vec3],
@@ -177,16 +178,16 @@ impl LastResort {
                 self.find_blocked(substep);
                 return Err(ContactError::Infeasible { vertex: first });
             }
-            if self.look(substep, x)? {
+            if self.detect(substep, x)? {
                 break;
             }
         }
-        let mut held = 0;
+        let mut truncated = 0;
         for ((v, x), free) in v.iter_mut().zip(x).zip(&self.free) {
-            held += usize::from(x != free);
+            truncated += usize::from(x != free);
             *v += (*x - free) / step.dt;
         }
-        Ok(held)
+        Ok(truncated)
     }
 
     /// Tells which bodies are in the way of what.
@@ -205,13 +206,13 @@ impl LastResort {
     }
 
     /// Finds what is not free on the path to `x` (m). Returns whether all is.
-    fn look(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> Result<bool, ContactError> {
+    fn detect(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> Result<bool, ContactError> {
         let Substep { near, bodies, step } = substep;
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
             let new = || ClothCandidates::new(mesh, near.own.broad_phase.create());
             let candidates = self.candidates.get_or_insert_with(new);
-            // What all vertices do together brings nothing nearer to anything.
+            // The mean motion brings nothing nearer to anything.
             let shift = mean(x) - mean(step.from);
             for (end, x) in self.displacements.iter_mut().zip(x) {
                 *end = x - shift;
@@ -265,8 +266,8 @@ fn way_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Optio
     Some(at.normal * missing.max(0.0))
 }
 
-/// When a pair comes nearer on its path to `x` (m) than the share of its distance, or of the thickness if that is less,
-/// that a step has to keep.
+/// When a pair comes nearer on its path to `x` (m) than the fraction of its distance, or of the thickness if that is
+/// less, that a step has to keep.
 fn hit(pair: Pair, near: &Near, step: &ContactStep<'_>, x: &[Vec3]) -> Option<Hit> {
     let path = Query::of(pair, step.from, x);
     let start = Gap::new(pair.kind, &path.from);

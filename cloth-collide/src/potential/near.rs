@@ -1,6 +1,6 @@
 //! What the parts of a cloth stand for in contact: areas, laws, and who is free.
 
-use super::let_go::LetGo;
+use super::excluded::Excluded;
 use super::mollifier::Mollifier;
 use super::pinched::Pinched;
 use super::sewn::Sewn;
@@ -43,7 +43,7 @@ pub(crate) struct Own {
     /// Coefficient μ of cloth on cloth (dimensionless).
     pub(super) friction: Real,
     pub(super) self_collision: bool,
-    pub(super) excluded: LetGo,
+    pub(super) excluded: Excluded,
     pub(crate) sewn: Sewn,
     pub(super) broad_phase: BroadPhaseKind,
     pub(super) pinched_passes: bool,
@@ -68,13 +68,13 @@ pub(crate) struct Near {
     /// The connected piece that each vertex belongs to.
     pub(super) piece: Vec<u32>,
     pub(super) is_free: Vec<bool>,
-    /// Prescribed vertices that have not been seen to move: nothing is looked for between them.
+    /// Prescribed vertices that have not been seen to move: nothing is detected between them.
     resting: Vec<u32>,
     pub(super) is_resting: Vec<bool>,
-    pub(super) let_go: LetGo,
+    pub(super) crossing: Excluded,
     pub(super) pinched: Pinched,
     /// Prescribed vertices in bodies, or at them: the triangles around them pass through.
-    pub(super) held: Pinched,
+    pub(super) prescribed_inside: Pinched,
     /// None if the cloth cannot touch itself.
     triangle_pairs: Option<TrianglePairs>,
 }
@@ -107,9 +107,9 @@ impl Near {
             is_free: vec![true; mesh.vertex_count()],
             resting: Vec::new(),
             is_resting: vec![false; mesh.vertex_count()],
-            let_go: LetGo::default(),
+            crossing: Excluded::default(),
             pinched: Pinched::default(),
-            held: Pinched::default(),
+            prescribed_inside: Pinched::default(),
             triangle_pairs: any.then(|| TrianglePairs::new(mesh)),
         }
     }
@@ -122,11 +122,11 @@ impl Near {
             changed |= std::mem::replace(free, *w > 0.0) != *free;
         }
         if changed {
-            let held = (0u32..).zip(&self.is_free).filter(|(_, free)| !**free);
+            let prescribed = (0u32..).zip(&self.is_free).filter(|(_, free)| !**free);
             self.resting.clear();
-            self.resting.extend(held.map(|(vertex, _)| vertex));
-            let held = self.is_resting.iter_mut().zip(&self.is_free);
-            held.for_each(|(resting, free)| *resting = !free);
+            self.resting.extend(prescribed.map(|(vertex, _)| vertex));
+            let all = self.is_resting.iter_mut().zip(&self.is_free);
+            all.for_each(|(resting, free)| *resting = !free);
         }
         changed
     }
@@ -170,27 +170,27 @@ impl Near {
         let crosses = |pair: &[[u32; 3]; 2]| {
             let vertices = pair.as_flattened();
             let is_free = vertices.iter().any(|&v| self.is_free[v as usize]);
-            self.parts(*pair, is_free)
-                && !self.let_go.has(vertices)
+            self.keeps_apart(*pair, is_free)
+                && !self.crossing.has(vertices)
                 && !self.is_pinched(vertices)
                 && meet_unduly(*pair, x)
         };
-        let (mut held, mut first, mut pairs) = (Vec::new(), None, 0);
+        let (mut inside, mut first, mut pairs) = (Vec::new(), None, 0);
         for [a, b] in self.near_triangles().filter(crosses) {
             let (own, other) = if self.is_own(a[0]) { (a, b) } else { (b, a) };
             let body = self.body_of(other[0]);
             let fixed = own.into_iter().filter(|&v| !self.is_free[v as usize]);
-            let before = held.len();
-            held.extend(
+            let before = inside.len();
+            inside.extend(
                 body.iter()
                     .flat_map(|&n| fixed.clone().map(move |v| [v, n as u32])),
             );
-            if held.len() == before {
+            if inside.len() == before {
                 first.get_or_insert((own, body));
                 pairs += 1;
             }
         }
-        self.held.extend(held);
+        self.prescribed_inside.extend(inside);
         first.map_or(Ok(()), |(triangle, body)| {
             Err(ContactError::IntersectingStart {
                 pairs,
@@ -200,9 +200,9 @@ impl Near {
         })
     }
 
-    /// Whether two triangles are kept apart unless they are let go: bodies do not touch each other, nor prescribed
+    /// Whether two triangles are kept apart unless they are excluded: bodies do not touch each other, nor prescribed
     /// cloth.
-    pub(crate) fn parts(&self, pair: [[u32; 3]; 2], is_free: bool) -> bool {
+    pub(crate) fn keeps_apart(&self, pair: [[u32; 3]; 2], is_free: bool) -> bool {
         let first = pair.map(|corners| corners[0]);
         let vertices = pair.as_flattened();
         self.patches_meet(first)
@@ -235,7 +235,7 @@ impl Near {
             let body = self.body_of(a[0]).or(self.body_of(b[0]));
             let own = if self.is_own(a[0]) { a } else { b };
             if let Some(body) = body.filter(|body| bodies.contains(body))
-                && !self.held.any_passes(&own, body)
+                && !self.prescribed_inside.any_passes(&own, body)
                 && meet_unduly([a, b], x)
             {
                 crossing.extend(own.map(|v| [v, body as u32]));
@@ -248,7 +248,7 @@ impl Near {
 
     /// Whether part of the cloth with these vertices passes through the body of which the others are.
     fn is_pinched(&self, vertices: &[u32]) -> bool {
-        let all = [&self.pinched, &self.held];
+        let all = [&self.pinched, &self.prescribed_inside];
         let mut bodies = vertices.iter().filter_map(|&v| self.body_of(v));
         all.iter().any(|some| some.count() > 0)
             && bodies
@@ -296,19 +296,19 @@ impl Near {
         }
     }
 
-    /// Whether a pair is looked at: not if it is let go, or nothing in it moves, and no prescribed vertices before
+    /// Whether a pair counts: not if it is excluded, or nothing in it moves, and no prescribed vertices before
     /// bodies, which can be where they please.
     pub(super) fn meets(&self, vertices: [u32; 4]) -> bool {
         if self.surfaces.is_empty() || vertices.iter().all(|&v| self.is_own(v)) {
             let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
-            let is_let_go = self.let_go.has(&vertices) || self.pass(&vertices);
-            return self.own.self_collision && !rests && !is_let_go;
+            let is_excluded = self.crossing.has(&vertices) || self.pass(&vertices);
+            return self.own.self_collision && !rests && !is_excluded;
         }
         vertices.iter().any(|&v| self.is_free[v as usize]) && !self.is_pinched(&vertices)
     }
 
     /// Whether a pair is a vertex before a triangle of a body that keeps it out by a signed distance, so that the two
-    /// need no look.
+    /// need no detection.
     pub(super) fn is_kept_out(&self, Pair { kind, vertices }: Pair) -> bool {
         let [vertex, corner, ..] = vertices;
         kind == QueryKind::VertexTriangle

@@ -5,20 +5,20 @@
 //! far relative to each other. Of these, only the pairs are evaluated that can come as near as the thickness on the
 //! path in question, and a little beyond it.
 
+use super::culled::CulledPairs;
 use super::near::Near;
 use super::pair::PairContact;
 use super::patches::Patches;
-use super::sleeping::Sleeping;
-use crate::bounds::{Bounds, mean};
+use crate::bounds::{Bounds, farthest, mean};
 use crate::ccd::{Query, QueryKind};
 use crate::obstacle::Obstacle;
 use crate::pair::{Gap, Pair};
 use cloth_core::math::{Real, Vec3, gather};
 
-/// Path (in thicknesses) that a vertex may go beyond the paths looked at, before pairs are chosen anew. More finds more
+/// Path (in thicknesses) that a vertex may go beyond the paths at hand, before pairs are chosen anew. More finds more
 /// pairs, and hardly any path holds for the next one all the same: the 64 x 64 sheet that falls on a ball of 30,000
 /// triangles takes 2.0, 1.2 and 1.8 times as long with 2, 0.5 and 1.0.
-const ROOM: Real = 0.1;
+const MARGIN: Real = 0.1;
 /// A choice of n pairs costs as much as `AS_DEAR (n + MANY)` evaluations of one.
 const AS_DEAR: usize = 4;
 const MANY: usize = 500;
@@ -61,16 +61,16 @@ pub(super) struct NearPairs {
     is_chosen: bool,
     reach: Vec<Real>,
     /// Of a vertex and a triangle each, and of two edges.
-    vertex_triangle: Sleeping<ChosenPair>,
-    edge_edge: Sleeping<ChosenPair>,
-    /// Looks at pairs since they were chosen.
+    vertex_triangle: CulledPairs<ChosenPair>,
+    edge_edge: CulledPairs<ChosenPair>,
+    /// Evaluations of pairs since they were chosen.
     spent: usize,
     /// Of each obstacle and each vertex: where it was asked for the distance, in the frame of the obstacle (m), and
     /// that distance (m). It changes by no more than the displacement from there.
-    rooms: Vec<(Vec3, Real)>,
+    distances: Vec<(Vec3, Real)>,
     pub(super) vertex_obstacle: Vec<[u32; 2]>,
-    /// Room to work in: the parts of paths (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
-    pub(super) shares: [Vec<Real>; 2],
+    /// Scratch: the parts of paths (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
+    pub(super) fractions: [Vec<Real>; 2],
     /// Choices of pairs in this step.
     pub(super) choices: u32,
 }
@@ -108,7 +108,7 @@ impl NearPairs {
         obstacles: &[Obstacle],
         stay: bool,
     ) {
-        let room = ROOM * near.law.range();
+        let margin = MARGIN * near.law.range();
         let count = if stay { near.cloth } else { path[0].len() };
         if self.is_chosen {
             let moved = path.map(|x| self.moved(x, count));
@@ -116,11 +116,11 @@ impl NearPairs {
             let ends = path.iter().zip(moved).rev();
             let bodies = !obstacles.is_empty();
             let holds = ends.fold(true, |holds, (x, moved)| {
-                holds && self.holds(x, moved, room, bodies)
+                holds && self.holds(x, moved, margin, bodies)
             });
             let path = path.map(|x| &x[..count]);
-            if holds && !self.is_elsewhere(path, moved[0], room) {
-                self.wake(moved);
+            if holds && !self.is_elsewhere(path, moved[0], margin) {
+                self.activate(moved);
                 return;
             }
         }
@@ -130,10 +130,10 @@ impl NearPairs {
             self.around_bodies = None;
         }
         let goes = match stay && count < from.len() {
-            true => farthest(&from[..count], &to[..count]),
+            true => farthest(&from[..count], &to[..count], Vec3::zeros()),
             false => longest(path),
         };
-        self.choose(near, path, [goes, room]);
+        self.choose(near, path, [goes, margin]);
         match stayed {
             true => self.place[..count].copy_from_slice(&from[..count]),
             false => from.clone_into(&mut self.place),
@@ -145,46 +145,46 @@ impl NearPairs {
         self.reach.clear();
         let displacements = near.own(from).iter().zip(to);
         self.reach
-            .extend(displacements.map(|(a, b)| (b - a).norm() + room));
+            .extend(displacements.map(|(a, b)| (b - a).norm() + margin));
         self.choose_obstacles(near, obstacles);
         self.choices += 1;
-        self.wake([0.0, goes]);
+        self.activate([0.0, goes]);
     }
 
-    /// How far (m) a vertex of the first `count` is from where pairs were chosen, at most, besides what all do
-    /// together; or, if they are not all, as far as any of the others is at most, and with nothing taken off.
+    /// How far (m) a vertex of the first `count` is from where pairs were chosen, at most, relative to the mean
+    /// motion; or, if they are not all, as far as any of the others is at most, and with nothing taken off.
     fn moved(&mut self, x: &[Vec3], count: usize) -> Real {
         if count == x.len() {
             return longest([&self.place, x]);
         }
         let behind = self
             .behind
-            .get_or_insert_with(|| farthest(&self.place[count..], &x[count..]));
-        farthest(&self.place[..count], &x[..count]).max(*behind)
+            .get_or_insert_with(|| farthest(&self.place[count..], &x[count..], Vec3::zeros()));
+        farthest(&self.place[..count], &x[..count], Vec3::zeros()).max(*behind)
     }
 
     /// Whether a path is short beside how far the cloth has gone since pairs were chosen, so that few of them matter:
     /// as where a minimisation comes to its end, one step of the cloth away from where it began. They are chosen anew
-    /// once looking at them has cost as much as that.
-    fn is_elsewhere(&mut self, path: [&[Vec3]; 2], moved: Real, room: Real) -> bool {
+    /// once evaluating them has cost as much as that.
+    fn is_elsewhere(&mut self, path: [&[Vec3]; 2], moved: Real, margin: Real) -> bool {
         let (one, other) = (&self.vertex_triangle, &self.edge_edge);
-        self.spent += one.awake + other.awake;
+        self.spent += one.active + other.active;
         let all = one.pairs.len() + other.pairs.len();
         let is_dear = self.spent > AS_DEAR * (MANY + all);
-        is_dear && 2.0 * (longest(path) + room) < moved
+        is_dear && 2.0 * (longest(path) + margin) < moved
     }
 
     /// Looks after the pairs that the path can bring into contact, whose ends are so far (m) from where pairs were
     /// chosen.
-    fn wake(&mut self, moved: [Real; 2]) {
+    fn activate(&mut self, moved: [Real; 2]) {
         let nearer = 2.0 * moved[0].max(moved[1]);
-        self.vertex_triangle.wake(nearer);
-        self.edge_edge.wake(nearer);
+        self.vertex_triangle.activate(nearer);
+        self.edge_edge.activate(nearer);
     }
 
-    /// Whether the pairs hold at a place (m), where a vertex has `moved` so far (m) besides what all have done
-    /// together; and what was found of bodies, if there are any.
-    fn holds(&mut self, x: &[Vec3], moved: Real, room: Real, bodies: bool) -> bool {
+    /// Whether the pairs hold at a place (m), where a vertex has `moved` so far (m) relative to the mean
+    /// motion; and what was found of bodies, if there are any.
+    fn holds(&mut self, x: &[Vec3], moved: Real, margin: Real, bodies: bool) -> bool {
         let displacements = x.iter().zip(&self.place).zip(&self.reach);
         let mut displacements =
             displacements.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
@@ -194,8 +194,8 @@ impl NearPairs {
         if let Some(far) = self.far {
             return 2.0 * moved <= far;
         }
-        // Mostly this is enough: any two parts may come nearer by two rooms, wherever they are.
-        if moved <= room {
+        // Mostly this is enough: any two parts may come nearer by two margins, wherever they are.
+        if moved <= margin {
             return true;
         }
         let patches = self.patches.as_mut();
@@ -203,8 +203,8 @@ impl NearPairs {
     }
 
     /// Keeps the pairs that can be nearer than their thickness.
-    /// No vertex `goes` farther (m) on the path, besides what all do together.
-    fn choose(&mut self, near: &Near, path: [&[Vec3]; 2], [goes, room]: [Real; 2]) {
+    /// No vertex `goes` farther (m) on the path, relative to the mean motion.
+    fn choose(&mut self, near: &Near, path: [&[Vec3]; 2], [goes, margin]: [Real; 2]) {
         self.vertex_triangle.clear();
         self.edge_edge.clear();
         let Some(patches) = &mut self.patches else {
@@ -216,12 +216,12 @@ impl NearPairs {
             let (own, others) = x.split_at(near.cloth);
             let bodies = self.around_bodies.get_or_insert_with(|| Bounds::of(others));
             let far = Bounds::of(own).squared_gap(bodies).sqrt() - near.law.range();
-            self.far = Some(far).filter(|far| 2.0 * (goes + room) < *far);
+            self.far = Some(far).filter(|far| 2.0 * (goes + margin) < *far);
             if self.far.is_some() {
                 return;
             }
         }
-        patches.choose(near, path, room, |found, nearer| {
+        patches.choose(near, path, margin, |found, nearer| {
             let Pair { kind, vertices } = found.pair;
             let places = gather(x, vertices);
             let reach = found.range + nearer;
@@ -257,9 +257,9 @@ impl NearPairs {
         obstacles: &[Obstacle],
         x: Vec3,
     ) -> Real {
-        let room = self.rooms.get(vertex * obstacles.len() + number);
+        let margin = self.distances.get(vertex * obstacles.len() + number);
         let obstacle = &obstacles[number];
-        room.map_or(Real::NEG_INFINITY, |(place, distance)| {
+        margin.map_or(Real::NEG_INFINITY, |(place, distance)| {
             let local = obstacle.motion().pose.to_local(x);
             distance - (local - place).norm() * obstacle.shape().lipschitz()
         })
@@ -268,27 +268,27 @@ impl NearPairs {
     fn choose_obstacles(&mut self, near: &Near, obstacles: &[Obstacle]) {
         self.vertex_obstacle.clear();
         let nowhere = (Vec3::repeat(Real::INFINITY), 0.0);
-        self.rooms.resize(near.cloth * obstacles.len(), nowhere);
+        self.distances.resize(near.cloth * obstacles.len(), nowhere);
         let h = near.law.range();
         let vertices = self.place[..near.cloth].iter().zip(&self.reach);
-        let mut rooms = self.rooms.iter_mut();
+        let mut distances = self.distances.iter_mut();
         for (vertex, (x, reach)) in (0u32..).zip(vertices) {
-            for ((number, obstacle), room) in (0u32..).zip(obstacles).zip(&mut rooms) {
+            for ((number, obstacle), margin) in (0u32..).zip(obstacles).zip(&mut distances) {
                 let (v, body) = (vertex as usize, number as usize);
                 if !near.is_free[v] || near.is_inside(v) || near.pinched.passes(v, body) {
                     continue;
                 }
-                let stretch = obstacle.shape().lipschitz();
-                let reach = h + reach * stretch;
+                let lipschitz = obstacle.shape().lipschitz();
+                let reach = h + reach * lipschitz;
                 let local = obstacle.motion().pose.to_local(*x);
-                let changed = (local - room.0).norm() * stretch;
-                if room.1 - changed >= reach {
+                let changed = (local - margin.0).norm() * lipschitz;
+                if margin.1 - changed >= reach {
                     continue;
                 }
                 // What was known of the distance may be enough to say that it is near, too.
-                if room.1 + changed >= reach {
-                    *room = (local, obstacle.shape().signed_distance(local).value);
-                    if room.1 >= reach {
+                if margin.1 + changed >= reach {
+                    *margin = (local, obstacle.shape().signed_distance(local).value);
+                    if margin.1 >= reach {
                         continue;
                     }
                 }
@@ -298,18 +298,9 @@ impl NearPairs {
     }
 }
 
-/// How far (m) a vertex goes, at most, besides what all do together.
+/// How far (m) a vertex goes, at most, relative to the mean motion.
 fn longest([from, to]: [&[Vec3]; 2]) -> Real {
-    let shift = mean(to) - mean(from);
-    let displacements = from.iter().zip(to);
-    let most = displacements.map(|(a, b)| (b - a - shift).norm_squared());
-    most.fold(0.0, Real::max).sqrt()
-}
-
-/// How far (m) a vertex goes, at most.
-fn farthest(from: &[Vec3], to: &[Vec3]) -> Real {
-    let squares = from.iter().zip(to).map(|(a, b)| (b - a).norm_squared());
-    squares.fold(0.0, Real::max).sqrt()
+    farthest(from, to, mean(to) - mean(from))
 }
 
 /// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around

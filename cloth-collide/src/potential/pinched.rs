@@ -106,14 +106,19 @@ impl PotentialContacts {
     /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others; and all before a
     /// body that have a vertex in a region of `passing`, of pairs of a region and a body, until nothing crosses that.
     /// `region` numbers the regions of vertices from 1; 0 for none.
-    pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]], passing: &[[u32; 2]]) {
+    pub(crate) fn exclude_crossing(
+        &mut self,
+        region: &[u32],
+        pairs: &[[u32; 2]],
+        passing: &[[u32; 2]],
+    ) {
         let near = &mut self.contacts.near;
         let vertices = passing.iter().flat_map(|&[of, body]| {
             let own = (0..).zip(region).filter(move |(_, r)| **r == of);
             own.map(move |(vertex, _)| [vertex, body])
         });
         let more = near.pinched.extend(vertices);
-        self.contacts.is_anew |= near.let_go.replace(region, pairs) | more;
+        self.contacts.is_anew |= near.crossing.replace(region, pairs) | more;
     }
 
     /// Where nothing crosses a body any more, with everything at `x` (m), and no vertex that passes through it is
@@ -124,7 +129,7 @@ impl PotentialContacts {
     }
 
     /// Moves the vertices of a cloth at `x` (m) that pass through a body and are inside of it towards its surface, by
-    /// at most `most` (m), but for held ones.
+    /// at most `most` (m), but for prescribed ones.
     pub(crate) fn lead_out(&self, x: &mut [Vec3], inverse_mass: &[Real], most: Real) {
         let Contacts { near, bodies, .. } = &self.contacts;
         for (number, (body, _)) in bodies.iter().enumerate() {

@@ -5,20 +5,21 @@
 //! (Müller et al. 2020, section 3.6; see the [chapter](super#references)), and one that parts already is not pushed to
 //! be faster: what the law has stored is lost.
 //!
-//! Let s be the relative velocity of a pair along n, and K = Σ wᵢ²/mᵢ (`ease`). The impulse J = (e u − s)/K changes the
-//! velocities by J wᵢ n/mᵢ, and the kinetic energy by J s + ½ J² K = ((e u)² − s²)/(2 K). An impact at the speed u has
-//! s = −u at first, and takes (1 − e²) u²/(2 K) in all: nothing with e = 1, all of the relative motion along n with
-//! e = 0. Before a body at rest K = 1/m, so it is ½ m (1 − e²) u² of a vertex. (What is kept otherwise stands in the
-//! [chapter](super#what-is-kept-and-what-is-not).) Pairs are visited once: where they share vertices, a later one
-//! changes the speed of an earlier one, whose e u is not exact then.
+//! Let s be the relative velocity of a pair along n, and K = Σ wᵢ²/mᵢ the inverse effective mass. The impulse J = (e u
+//! − s)/K changes the velocities by J wᵢ n/mᵢ, and the kinetic energy by J s + ½ J² K = ((e u)² − s²)/(2 K). An impact
+//! at the speed u has s = −u at first, and takes (1 − e²) u²/(2 K) in all: nothing with e = 1, all of the relative
+//! motion along n with e = 0. Before a body at rest K = 1/m, so it is ½ m (1 − e²) u² of a vertex. Pairs are visited
+//! once: where they share vertices, a later one changes the speed of an earlier one, whose e u is not exact then.
 //!
-//! What lies on something approaches it by g Δt² in a substep. That is no impact below h/1000 (Δt < 0.32 ms at 1 mm).
-//! Above it is one in each substep: what lies still then has the speed v = e (g Δt − v) = e g Δt/(1 + e), and the law
-//! carries 1/(1 + e) of its weight, the rebound the rest.
+//! What lies on something approaches it by g Δt² in a substep. The paper has no rebound below the speed 2 g Δt, which
+//! is an approach by 2 g Δt². Contact does not know g, so here it is below h/1000, which is as much for Δt = 0.23 ms
+//! and h = 1 mm. In longer substeps what lies still rebounds in each: it then has the speed v = e (g Δt − v) = e g
+//! Δt/(1 + e), and the law carries 1/(1 + e) of its weight, the rebound the rest. Below Δt = 0.32 ms its g Δt² is no
+//! impact.
 
 use super::forces::Ledger;
 use super::near::Near;
-use super::row::Row;
+use super::pair_constraint::PairConstraint;
 use crate::pair::ends;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
@@ -34,7 +35,7 @@ pub(super) struct Rebound {
     pub(super) normal: Vec3,
     /// Of the vertices (1/kg), and Σ wᵢ²/mᵢ (1/kg).
     pub(super) inverse_mass: [Real; 4],
-    pub(super) ease: Real,
+    pub(super) inverse_effective_mass: Real,
     /// How fast it approached, and the part of its velocity that is that of a body (m/s).
     pub(super) approach: Real,
     pub(super) of_body: Real,
@@ -56,24 +57,25 @@ impl Rebounds {
     /// Takes those between pieces of a substep that ends at `x` (m).
     pub(super) fn find<'a>(
         &mut self,
-        touching: impl Iterator<Item = &'a Row>,
+        touching: impl Iterator<Item = &'a PairConstraint>,
         near: &Near,
         step: &ContactStep<'_>,
         x: &[Vec3],
     ) {
         self.list.clear();
         let least = self.least(near);
-        for row in touching.filter(|row| row.approach.abs() > least) {
-            let of_bodies = ends(row.pair.vertices, row.weights).filter(|(v, _)| *v >= near.cloth);
+        for contact in touching.filter(|contact| contact.approach.abs() > least) {
+            let of_bodies =
+                ends(contact.pair.vertices, contact.weights).filter(|(v, _)| *v >= near.cloth);
             let moved = of_bodies.map(|(v, w)| (x[v] - step.from[v]) * w);
             self.list.push(Rebound {
-                vertices: row.pair.vertices,
-                weights: row.weights,
-                normal: row.normal,
-                inverse_mass: row.pair.vertices.map(|v| step.inverse_mass[v as usize]),
-                ease: row.ease,
-                approach: row.approach / step.dt,
-                of_body: row.normal.dot(&moved.sum()) / step.dt,
+                vertices: contact.pair.vertices,
+                weights: contact.weights,
+                normal: contact.normal,
+                inverse_mass: contact.pair.vertices.map(|v| step.inverse_mass[v as usize]),
+                inverse_effective_mass: contact.inverse_effective_mass,
+                approach: contact.approach / step.dt,
+                of_body: contact.normal.dot(&moved.sum()) / step.dt,
             });
         }
     }
@@ -90,7 +92,7 @@ impl Rebounds {
                 true => self.coefficient * rebound.approach,
                 false => speed.min(-rebound.approach),
             };
-            let impulse = (wanted - speed) / rebound.ease;
+            let impulse = (wanted - speed) / rebound.inverse_effective_mass;
             for ((v, weight), w) in ends().zip(rebound.inverse_mass) {
                 if let Some(velocity) = velocities.get_mut(v) {
                     *velocity += normal * (impulse * weight * w);

@@ -1,17 +1,17 @@
 //! The contact of a cloth as a potential.
 
 use super::bodies::Body;
+use super::constraints::Constraints;
 use super::filter::shorten_all;
 use super::forces::Ledger;
 use super::free::FreeBodies;
-use super::friction::{ALONE, Key, Sticking, Stretched};
+use super::friction::{ALONE, FrictionContact, Key, TangentialDisplacements};
 use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::obstacle_contact::ObstacleContact;
-use super::rows::Rows;
 use super::stops::Stops;
-use crate::bounds::mean;
+use crate::bounds::{farthest, mean};
 use crate::obstacle::Obstacle;
 use crate::pair::{Gap, weighted};
 use cloth_core::contact::{
@@ -20,7 +20,7 @@ use cloth_core::contact::{
 use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
-/// Paths longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
+/// Paths longer than this many thicknesses, relative to the mean motion, are tested in part.
 const LONGEST: Real = 10.0;
 /// Times that pairs are chosen anew because vertices were cut, before all are cut alike.
 const MOST_ROUNDS: u32 = 10;
@@ -34,13 +34,13 @@ const STICKING: Real = 1e-2;
 #[derive(Debug)]
 pub(super) struct Contacts {
     /// For methods that project positions.
-    pub(super) rows: Rows,
+    pub(super) constraints: Constraints,
     pub(super) near: Near,
     pub(super) pairs: NearPairs,
     /// Where the last step has ended (m), free of crossings.
     pub(super) safe: Vec<Vec3>,
-    pub(super) sticking: Vec<Sticking>,
-    pub(super) stretched: Stretched,
+    pub(super) friction: Vec<FrictionContact>,
+    pub(super) tangential: TangentialDisplacements,
     /// Of moving bodies in the last step (J).
     pub(super) work: Real,
     pub(super) bodies: Vec<Body>,
@@ -52,12 +52,12 @@ pub(super) struct Contacts {
     pub(super) stops: Stops,
     /// The obstacles at the end of the step.
     pub(super) still: Vec<Obstacle>,
-    /// The obstacles before the step; and room for those before it while what it has done is kept free.
+    /// The obstacles before the step; and a place for those before it while what it has done is kept free.
     pub(super) before: Vec<Obstacle>,
     before_step: Vec<Obstacle>,
     /// Whether a step has begun and not ended.
     pub(super) is_open: bool,
-    /// Whether a step that had not ended was taken back, or other pairs were let go, so that nothing is known of the
+    /// Whether a step that had not ended was taken back, or other pairs were excluded, so that nothing is known of the
     /// next one.
     pub(super) is_anew: bool,
     /// Prescribed vertices that move, and their displacements (m) in the step.
@@ -66,20 +66,20 @@ pub(super) struct Contacts {
     wanted: Vec<Vec3>,
     scratch: Vec<Vec3>,
     pub(super) energy: Real,
-    /// Vertices that the last step has held back.
-    pub(super) held: usize,
+    /// Vertices whose path the last step has truncated.
+    pub(super) truncated: usize,
 }
 
 impl Contacts {
     pub(super) fn new(near: Near, bodies: Vec<Body>) -> Self {
         Self {
-            rows: Rows::default(),
+            constraints: Constraints::default(),
             scratch: vec![Vec3::zeros(); near.vertex_area.len()],
             near,
             pairs: NearPairs::default(),
             safe: Vec::new(),
-            sticking: Vec::new(),
-            stretched: Stretched::default(),
+            friction: Vec::new(),
+            tangential: TangentialDisplacements::default(),
             work: 0.0,
             bodies,
             last_resort: LastResort::default(),
@@ -94,7 +94,7 @@ impl Contacts {
             moved: Vec::new(),
             wanted: Vec::new(),
             energy: 0.0,
-            held: 0,
+            truncated: 0,
         }
     }
 
@@ -105,7 +105,7 @@ impl Contacts {
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
         // What the step has done stays what it has done, and bodies are where it has left them.
-        let (work, energy, held) = (self.work, self.energy, self.held);
+        let (work, energy, truncated) = (self.work, self.energy, self.truncated);
         let of_free = self.free.work;
         let ledger = self.ledger.take();
         self.swap_before();
@@ -115,12 +115,12 @@ impl Contacts {
             .and_then(|()| self.end_substep(step, x));
         self.ledger = ledger;
         kept?;
-        let moved = std::mem::take(&mut self.rows.report.shortened) as usize;
+        let moved = std::mem::take(&mut self.constraints.report.shortened) as usize;
         self.end_step(x);
         self.is_open = true;
         self.undo();
         self.swap_before();
-        (self.work, self.energy, self.held) = (work, energy, held + moved);
+        (self.work, self.energy, self.truncated) = (work, energy, truncated + moved);
         self.free.work = of_free;
         Ok(())
     }
@@ -129,11 +129,11 @@ impl Contacts {
 impl ContactPotential for Contacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
-        self.held = 0;
+        self.truncated = 0;
         self.free.remember();
         self.free.dt = step.dt;
         self.remember_bodies();
-        self.rows.took_last = false;
+        self.constraints.took_last = false;
         let mut wanted = std::mem::take(&mut self.wanted);
         start.clone_into(&mut wanted);
         let is_still = self.is_still(step, &wanted);
@@ -151,7 +151,7 @@ impl ContactPotential for Contacts {
         self.still.extend(still);
         self.pairs.begin(step.from, &self.near.is_resting, goes_on);
         self.prepare(step.from, &wanted, false)?;
-        self.stick(step);
+        self.freeze_friction(step);
         if is_still {
             let cap = self.safe_part(step.from, &wanted);
             for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
@@ -167,14 +167,14 @@ impl ContactPotential for Contacts {
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let share = self.share(from, to);
-        if share < 1.0 {
+        let fraction = self.tested_fraction(from, to);
+        if fraction < 1.0 {
             let mut near_end = std::mem::take(&mut self.scratch);
             let displacements = from.iter().zip(to).zip(&mut near_end);
-            displacements.for_each(|((a, b), end)| *end = a + (b - a) * share);
+            displacements.for_each(|((a, b), end)| *end = a + (b - a) * fraction);
             let safe = self.limit_short(from, &near_end);
             self.scratch = near_end;
-            return Ok(share * safe?);
+            return Ok(fraction * safe?);
         }
         self.limit_short(from, to)
     }
@@ -186,7 +186,7 @@ impl ContactPotential for Contacts {
         parts: &mut [Real],
     ) -> Result<(), ContactError> {
         parts.fill(1.0);
-        shorten_all(from, to, parts, self.share(from, to));
+        shorten_all(from, to, parts, self.tested_fraction(from, to));
         for round in 0..MOST_ROUNDS {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
             // paths.
@@ -214,8 +214,8 @@ impl ContactPotential for Contacts {
             out[contact.vertex] += gradient;
         }
         let reach = self.reach();
-        for sticking in &self.sticking {
-            sum += sticking.add_gradient(reach, x, out);
+        for contact in &self.friction {
+            sum += contact.add_gradient(reach, x, out);
         }
         sum
     }
@@ -246,8 +246,8 @@ impl ContactPotential for Contacts {
             });
         }
         let reach = self.reach();
-        let sticking = self.sticking.iter();
-        out.extend(sticking.flat_map(|sticking| sticking.rows(reach, x)));
+        let contacts = self.friction.iter();
+        out.extend(contacts.flat_map(|contact| contact.rows(reach, x)));
     }
 
     fn has_free_bodies(&self) -> bool {
@@ -257,12 +257,12 @@ impl ContactPotential for Contacts {
     fn end(&mut self, x: &[Vec3], _: &[Vec3]) {
         self.is_open = false;
         let reach = self.reach();
-        self.stretched.replace(&self.sticking, reach, x);
+        self.tangential.replace(&self.friction, reach, x);
         self.work = self.work_of_bodies(x) + self.work_of_prescribed(x);
         self.record_forces(x);
         self.take_forces();
         // Friction stores nothing that it gives back.
-        self.sticking.clear();
+        self.friction.clear();
         let mut unused = std::mem::take(&mut self.scratch);
         self.energy = self.add_gradient(x, &mut unused);
         self.scratch = unused;
@@ -276,16 +276,14 @@ impl Contacts {
         let is_own = |v: &u32| (*v as usize) < self.near.cloth;
         let mut pairs = self.pairs.iter();
         pairs.all(|chosen| chosen.contact.pair.vertices.iter().all(is_own))
-            && self.sticking.iter().all(|s| s.vertices.iter().all(is_own))
+            && self.friction.iter().all(|s| s.vertices.iter().all(is_own))
     }
 
-    /// The part of paths (m) that is looked at: they are too long beyond.
-    fn share(&self, from: &[Vec3], to: &[Vec3]) -> Real {
+    /// The fraction of paths (m) that is tested: they are too long beyond.
+    fn tested_fraction(&self, from: &[Vec3], to: &[Vec3]) -> Real {
         let (from, to) = (self.near.own(from), self.near.own(to));
         let shift = mean(to) - mean(from);
-        let displacements = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
-        let longest = displacements.fold(0.0, Real::max);
-        (LONGEST * self.near.law.range() / longest).min(1.0)
+        (LONGEST * self.near.law.range() / farthest(from, to, shift)).min(1.0)
     }
 
     /// ε (m): the displacement below which friction is a spring.
@@ -334,7 +332,8 @@ impl Contacts {
         let more = self.near.let_pass(&blocked);
         if more {
             self.is_anew = true;
-            self.rows.start_anew(&self.near, from, self.bodies.len());
+            self.constraints
+                .start_anew(&self.near, from, self.bodies.len());
         }
         more
     }
@@ -376,10 +375,10 @@ impl Contacts {
     }
 
     /// Finds the contacts at the start of a step that have friction in it.
-    fn stick(&mut self, step: &ContactStep<'_>) {
-        let (near, stretched, sticking) = (&self.near, &self.stretched, &mut self.sticking);
+    fn freeze_friction(&mut self, step: &ContactStep<'_>) {
+        let (near, tangential, frictions) = (&self.near, &self.tangential, &mut self.friction);
         let x = step.from;
-        sticking.clear();
+        frictions.clear();
         for contact in self.pairs.iter_at(x) {
             let (key, vertices) = (Key::Pair(contact.pair), contact.pair.vertices);
             let places = gather(x, vertices);
@@ -387,13 +386,13 @@ impl Contacts {
             let force = -contact.area_at(&places) * contact.law.slope(gap.distance);
             let most = near.friction(vertices) * force;
             if most > 0.0 {
-                sticking.push(Sticking {
+                frictions.push(FrictionContact {
                     key,
                     vertices,
                     weights: gap.weights,
                     normal: gap.normal,
                     most,
-                    origin: weighted(vertices, gap.weights, x) - stretched.of(key),
+                    origin: weighted(vertices, gap.weights, x) - tangential.of(key),
                 });
             }
         }
@@ -417,13 +416,13 @@ impl Contacts {
                     let key = Key::Obstacle([vertex, number]);
                     let moved = after.motion().pose;
                     let moved = moved.to_world(before.motion().pose.to_local(*place));
-                    sticking.push(Sticking {
+                    frictions.push(FrictionContact {
                         key,
                         vertices: [vertex; 4],
                         weights: ALONE,
                         normal: gradient / -force,
                         most: near.friction_on(v, *friction) * force,
-                        origin: moved - stretched.of(key),
+                        origin: moved - tangential.of(key),
                     });
                 }
             }
@@ -491,16 +490,16 @@ impl Contacts {
             let gradient = || contact.value_and_gradient().1;
             add([contact.vertex, contact.number], &gradient);
         }
-        for sticking in &self.sticking {
-            if let Key::Obstacle(key) = sticking.key {
-                let gradient = || sticking.force(self.reach(), x).0;
+        for contact in &self.friction {
+            if let Key::Obstacle(key) = contact.key {
+                let gradient = || contact.force(self.reach(), x).0;
                 add(key.map(|n| n as usize), &gradient);
             }
         }
         work
     }
 
-    /// The same as [`ContactPotential::limit`] for a path that is not too long to be looked at as a whole.
+    /// The same as [`ContactPotential::limit`] for a path that is not too long to be tested as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.prepare(from, to, true)?;
         Ok(self.safe_part(from, to))
@@ -530,27 +529,31 @@ impl Contacts {
         let was_open = std::mem::take(&mut self.is_anew);
         let is_same = !self.near.begin(step.inverse_mass);
         let goes_on = !was_open && is_same && self.safe == step.from;
-        if goes_on && !self.held_moves() {
+        if goes_on && !self.prescribed_inside_moves() {
             return Ok(true);
         }
         self.safe.clear();
-        let before = self.near.held.clone();
-        let Near { held, is_free, .. } = &mut self.near;
-        held.retain(|v, body| {
+        let before = self.near.prescribed_inside.clone();
+        let Near {
+            prescribed_inside,
+            is_free,
+            ..
+        } = &mut self.near;
+        prescribed_inside.retain(|v, body| {
             let body = self.bodies.get(body).filter(|_| !is_free[v]);
             body.is_some_and(|(body, _)| body.signed_distance(step.from[v], 0.0).value <= 0.0)
         });
         self.near.check_crossing(step.from)?;
-        Ok(goes_on && self.near.held == before)
+        Ok(goes_on && self.near.prescribed_inside == before)
     }
 
-    /// Whether vertices that are held in bodies may be so no more.
-    fn held_moves(&self) -> bool {
+    /// Whether prescribed vertices in bodies may be there no more.
+    fn prescribed_inside_moves(&self) -> bool {
         let stands = |body: u32| {
             let body = self.bodies.get(body as usize);
             body.is_some_and(|(body, _)| body.motion().is_still())
         };
         let moves = |[v, body]: &[u32; 2]| !self.near.is_resting[*v as usize] || !stands(*body);
-        self.near.held.pairs().iter().any(moves)
+        self.near.prescribed_inside.pairs().iter().any(moves)
     }
 }

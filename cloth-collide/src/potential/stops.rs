@@ -1,4 +1,4 @@
-//! What stops a body that the cloth pushes: held vertices, and other bodies.
+//! What stops a body that the cloth pushes: prescribed vertices, and other bodies.
 //!
 //! These do not give way, so the velocity of the body has to change. Before a (sub)step of Δt, the distance φ of points
 //! of the one from the other is asked for at moments so close that the body goes a quarter of its smallest extent in
@@ -21,29 +21,29 @@ use crate::obstacle::Obstacle;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
-/// Distance to keep (in thicknesses) from held vertices, which are cloth, and from bodies, with room for cloth between.
-const FROM_HELD: Real = 0.5;
+/// Distance to keep (in thicknesses) from prescribed vertices, which are cloth, and from bodies, with cloth between.
+const FROM_PRESCRIBED: Real = 0.5;
 const FROM_BODIES: Real = 1.0;
 /// Part of it that may be missing; and what may be missing again where more is, so that nothing wears off step by step.
 const MISSING: Real = 0.02;
 const ROUNDING: Real = 1e-6;
-/// Rounds of looking, and sweeps in each.
+/// Rounds of detection, and sweeps in each.
 const ROUNDS: u32 = 20;
 const SWEEPS: u32 = 20;
-/// A body is looked at as often in a step as it goes this part of its smallest extent, and so often at most.
+/// Moments of a step at which a body is tested: one for each part of its smallest extent that it goes, up to a number.
 const PART: Real = 0.25;
-const MOST_LOOKS: Real = 64.0;
+const MOST_SAMPLES: Real = 64.0;
 /// Parts of a triangle that are asked for the distance of their middles, at most, and steps down from the best.
 const POINTS: usize = 32;
 const DESCENTS: u32 = 24;
 
-/// What is held, and what is met.
+/// What is prescribed, and what is met.
 #[derive(Debug, Default)]
 pub(super) struct Stops {
-    is_held: Vec<bool>,
-    /// Triangles of which all vertices are held, then such edges (the last vertex twice) and vertices (three times)
-    /// that are in none of those.
-    held: Vec<[u32; 3]>,
+    is_prescribed: Vec<bool>,
+    /// Triangles of which all vertices are prescribed, then such edges (the last vertex twice) and vertices (three
+    /// times) that are in none of those.
+    prescribed: Vec<[u32; 3]>,
     meetings: Vec<Meeting>,
 }
 
@@ -63,6 +63,30 @@ struct Meeting {
 }
 
 impl Meeting {
+    /// At a point whose distance (m) is too much below what it was at the `start` and what it should `keep`, after
+    /// `time` (s).
+    fn new(
+        (body, other): (usize, Option<usize>),
+        [start, now, keep]: [Real; 3],
+        time: Real,
+        [point, normal]: [Vec3; 2],
+    ) -> Option<Self> {
+        let least = (1.0 - MISSING) * keep;
+        let allowed = if start < least {
+            start - ROUNDING * keep
+        } else {
+            least
+        };
+        (now < allowed).then(|| Self {
+            body,
+            other,
+            point,
+            normal,
+            missing: (start.min(keep) - now) / time,
+            impulse: 0.0,
+        })
+    }
+
     /// The free bodies, and the sense in which each is pushed.
     fn ends(&self) -> impl Iterator<Item = (usize, Real)> + use<> {
         let other = self.other.map(|other| (other, -1.0));
@@ -71,37 +95,41 @@ impl Meeting {
 }
 
 impl Stops {
-    /// Takes notice of which vertices of the cloth are held.
-    fn hold(&mut self, near: &Near, inverse_mass: &[Real]) {
+    /// Takes notice of which vertices of the cloth are prescribed.
+    fn update_prescribed(&mut self, near: &Near, inverse_mass: &[Real]) {
         let now = || inverse_mass.iter().map(|w| *w == 0.0);
-        if now().eq(self.is_held.iter().copied()) {
+        if now().eq(self.is_prescribed.iter().copied()) {
             return;
         }
-        self.is_held.clear();
-        self.is_held.extend(now());
-        self.held.clear();
-        let is_held = |v: &u32| self.is_held.get(*v as usize).is_some_and(|held| *held);
-        let mut is_in_one = vec![false; self.is_held.len()];
+        self.is_prescribed.clear();
+        self.is_prescribed.extend(now());
+        self.prescribed.clear();
+        let is_prescribed = |v: &u32| {
+            self.is_prescribed
+                .get(*v as usize)
+                .is_some_and(|prescribed| *prescribed)
+        };
+        let mut is_in_one = vec![false; self.is_prescribed.len()];
         let mut is_side = vec![false; near.incidence.edges.len()];
         let mut take = |part: [u32; 3]| {
             part.iter().for_each(|&v| is_in_one[v as usize] = true);
-            self.held.push(part);
+            self.prescribed.push(part);
         };
         let triangles = near.incidence.triangles.iter();
         for (corners, sides) in triangles.zip(&near.incidence.triangle_edges) {
-            if corners.iter().all(is_held) {
+            if corners.iter().all(is_prescribed) {
                 take(*corners);
                 sides.iter().for_each(|&e| is_side[e as usize] = true);
             }
         }
         for (&[a, b], is_side) in near.incidence.edges.iter().zip(&is_side) {
-            if !is_side && is_held(&a) && is_held(&b) {
+            if !is_side && is_prescribed(&a) && is_prescribed(&b) {
                 take([a, b, b]);
             }
         }
-        let alone = (0u32..).zip(&self.is_held).zip(&is_in_one);
-        let alone = alone.filter(|((_, held), is_in_one)| **held && !**is_in_one);
-        self.held.extend(alone.map(|((v, _), _)| [v; 3]));
+        let alone = (0u32..).zip(&self.is_prescribed).zip(&is_in_one);
+        let alone = alone.filter(|((_, prescribed), is_in_one)| **prescribed && !**is_in_one);
+        self.prescribed.extend(alone.map(|((v, _), _)| [v; 3]));
     }
 }
 
@@ -117,7 +145,8 @@ impl Contacts {
             return;
         }
         let cloth = self.near.cloth;
-        self.stops.hold(&self.near, &step.inverse_mass[..cloth]);
+        self.stops
+            .update_prescribed(&self.near, &step.inverse_mass[..cloth]);
         for _ in 0..ROUNDS {
             self.move_free(step.dt);
             self.meet(step, to);
@@ -144,11 +173,13 @@ impl Contacts {
             let motion = self.bodies[free.number].0.motion();
             let turning = motion.angular_velocity.norm() * free.radius;
             let path = (motion.velocity.norm() + turning) * step.dt;
-            let looks = (path / (PART * free.extent)).ceil().clamp(1.0, MOST_LOOKS);
+            let samples = (path / (PART * free.extent))
+                .ceil()
+                .clamp(1.0, MOST_SAMPLES);
             let known = self.stops.meetings.len();
-            for look in 1..=looks as u32 {
-                let time = step.dt * Real::from(look) / looks;
-                self.meet_held(number, step, to, time);
+            for sample in 1..=samples as u32 {
+                let time = step.dt * Real::from(sample) / samples;
+                self.meet_prescribed(number, step, to, time);
                 self.meet_bodies(number, time);
                 if self.stops.meetings.len() > known {
                     break;
@@ -157,14 +188,14 @@ impl Contacts {
         }
     }
 
-    /// Finds where a free body meets held vertices, and what is between them, after `time` (s).
-    fn meet_held(&mut self, number: usize, step: &ContactStep<'_>, to: &[Vec3], time: Real) {
+    /// Finds where a free body meets prescribed vertices, and what is between them, after `time` (s).
+    fn meet_prescribed(&mut self, number: usize, step: &ContactStep<'_>, to: &[Vec3], time: Real) {
         let free = &self.free.list[number];
         let obstacle = &self.bodies[free.number].0;
         let centre = obstacle.motion().pose_at(time).position;
-        let keep = FROM_HELD * self.near.law.range();
+        let keep = FROM_PRESCRIBED * self.near.law.range();
         let part = time / step.dt;
-        for &corners in &self.stops.held {
+        for &corners in &self.stops.prescribed {
             let from = gather(step.from, corners);
             let ends = gather(to, corners);
             let then: [Vec3; 3] = std::array::from_fn(|k| from[k] + (ends[k] - from[k]) * part);
@@ -177,16 +208,9 @@ impl Contacts {
             let (start, point) = (at(&from), at(&then));
             let distance = obstacle.signed_distance(point, time);
             let start = obstacle.signed_distance(start, 0.0).value;
-            if let Some(missing) = missing(start, distance.value, keep) {
-                self.stops.meetings.push(Meeting {
-                    body: number,
-                    other: None,
-                    point,
-                    normal: -distance.normal,
-                    missing: missing / time,
-                    impulse: 0.0,
-                });
-            }
+            let distances = [start, distance.value, keep];
+            let met = Meeting::new((number, None), distances, time, [point, -distance.normal]);
+            self.stops.meetings.extend(met);
         }
     }
 
@@ -197,8 +221,8 @@ impl Contacts {
         let [before, then] = [0.0, time].map(|time| own.pose_at(time));
         let keep = FROM_BODIES * self.near.law.range();
         for (index, (obstacle, _)) in self.bodies.iter().enumerate() {
-            let stretch = obstacle.shape().lipschitz();
-            let between = obstacle.signed_distance(then.position, time).value / stretch;
+            let lipschitz = obstacle.shape().lipschitz();
+            let between = obstacle.signed_distance(then.position, time).value / lipschitz;
             if index == free.number || between > free.radius + keep {
                 continue;
             }
@@ -210,16 +234,9 @@ impl Contacts {
                     continue;
                 }
                 let start = obstacle.signed_distance(before.to_world(*local), 0.0);
-                if let Some(missing) = missing(start.value, distance.value, keep) {
-                    self.stops.meetings.push(Meeting {
-                        body: number,
-                        other,
-                        point,
-                        normal: distance.normal,
-                        missing: missing / time,
-                        impulse: 0.0,
-                    });
-                }
+                let distances = [start.value, distance.value, keep];
+                let met = Meeting::new((number, other), distances, time, [point, distance.normal]);
+                self.stops.meetings.extend(met);
             }
         }
     }
@@ -231,15 +248,15 @@ impl FreeBodies {
         self.list.iter_mut().for_each(|free| free.change = zeros);
         for _ in 0..SWEEPS {
             for meeting in &mut *meetings {
-                let (mut ease, mut speed) = (0.0, 0.0);
+                let (mut inverse_effective_mass, mut speed) = (0.0, 0.0);
                 for (number, sign) in meeting.ends() {
                     let arm = self.list[number].arm(meeting.point);
                     let [v, w] = self.list[number].velocity_by(meeting.normal, arm);
-                    ease += meeting.normal.dot(&(v + w.cross(&arm)));
+                    inverse_effective_mass += meeting.normal.dot(&(v + w.cross(&arm)));
                     let [v, w] = self.list[number].change;
                     speed += sign * meeting.normal.dot(&(v + w.cross(&arm)));
                 }
-                let more = (meeting.missing - speed) / ease;
+                let more = (meeting.missing - speed) / inverse_effective_mass;
                 let impulse = (meeting.impulse + more).max(0.0);
                 let push = meeting.normal * (impulse - meeting.impulse);
                 meeting.impulse = impulse;
@@ -269,17 +286,6 @@ impl FreeBody {
         self.body
             .velocity_by(&self.place, [impulse, arm.cross(&impulse)])
     }
-}
-
-/// What a distance (m) that was another one at the `start` lacks (m) to what it keeps, if it lacks too much.
-fn missing(start: Real, now: Real, keep: Real) -> Option<Real> {
-    let least = (1.0 - MISSING) * keep;
-    let allowed = if start < least {
-        start - ROUNDING * keep
-    } else {
-        least
-    };
-    (now < allowed).then_some(start.min(keep) - now)
 }
 
 /// The weights of a point of a triangle (corners in m) that is nearest to an obstacle after `time` (s): parts that are

@@ -1,12 +1,12 @@
 //! The contact of a cloth with itself, and with bodies whose surfaces are triangles: prescribed vertices behind those
-//! of the cloth, in the same machinery. Why they are needed says the [chapter](super#bodies).
+//! of the cloth, in the same machinery. The [chapter](super#bodies) has why they are needed.
 
 use super::bodies::Body;
 use super::builder::PotentialBuilder;
+use super::constraints::LEADING_SWEEPS;
 use super::forces::{ContactForces, Ledger};
 use super::near::Near;
 use super::report::ConstraintReport;
-use super::rows::LEADING_SWEEPS;
 use super::sewn::Sewn;
 use super::source::Contacts;
 use crate::obstacle::{AnimatedMesh, Pose, RigidMotion};
@@ -31,11 +31,11 @@ const NO_TIME: Real = 1e-12;
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
 /// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside
 /// of bodies, and the triangles around them pass through a body that they cross at the start of a step
-/// ([`PotentialContacts::held_inside`]). The start of a step must be free of crossings; it is if the last step ended
-/// there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing
-/// ones are [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told to exclude
-/// or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at the start and
-/// are let go until they are apart; nor of cloth that crosses a body then, before that body.
+/// ([`PotentialContacts::prescribed_inside`]). The start of a step must be free of crossings; it is if the last step
+/// ended there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and
+/// crossing ones are [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told
+/// to exclude or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at
+/// the start and are excluded until they are apart; nor of cloth that crosses a body then, before that body.
 ///
 /// # Example
 ///
@@ -95,21 +95,21 @@ pub struct PotentialContacts {
 #[derive(Clone, Debug)]
 struct Surface {
     mesh: TriMesh,
-    motion: Motion,
+    motion: SurfaceMotion,
     /// Where it is at both ends, if it is that of an obstacle and has been put there.
     placed: Option<[Pose; 2]>,
 }
 
 /// What moves it.
 #[derive(Clone, Debug)]
-pub(super) enum Motion {
+pub(super) enum SurfaceMotion {
     /// The obstacle of this number.
     Obstacle(usize),
     /// Its own shapes, with a coefficient of friction.
     Own(AnimatedMesh, Real),
 }
 
-/// The surfaces, and room for the vertices of everything.
+/// The surfaces, and buffers for the vertices of everything.
 #[derive(Debug)]
 pub(super) struct Surfaces {
     /// Number of vertices of the cloth.
@@ -120,20 +120,20 @@ pub(super) struct Surfaces {
     begun: Real,
     /// 0 for all vertices of bodies (1/kg).
     inverse_mass: Vec<Real>,
-    /// Places (m) at the start and at the end of what is looked at.
+    /// Places (m) at the start and at the end of the path at hand.
     from: Vec<Vec3>,
     to: Vec<Vec3>,
     parts: Vec<Real>,
-    /// The same place with its gradient (N), for who may only look.
+    /// The same place with its gradient (N), for methods that take `&self`.
     shared: Mutex<[Vec<Vec3>; 2]>,
 }
 
 impl Surfaces {
     /// `time` is that (s) at which the first step begins.
-    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>, time: Real) -> Self {
+    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, SurfaceMotion)>, time: Real) -> Self {
         let own = list.iter().map(|(mesh, _)| mesh.vertex_count());
         let count = cloth + own.sum::<usize>();
-        let room = || vec![Vec3::zeros(); count];
+        let buffer = || vec![Vec3::zeros(); count];
         let nowhere = |(mesh, motion)| Surface {
             mesh,
             motion,
@@ -145,10 +145,10 @@ impl Surfaces {
             time,
             begun: time,
             inverse_mass: vec![0.0; count],
-            from: room(),
-            to: room(),
+            from: buffer(),
+            to: buffer(),
             parts: vec![1.0; count],
-            shared: Mutex::new([room(), room()]),
+            shared: Mutex::new([buffer(), buffer()]),
         }
     }
 
@@ -168,7 +168,7 @@ impl Surfaces {
             let (own_to, rest_to) = to.split_at_mut(count);
             (from, to) = (rest_from, rest_to);
             match motion {
-                Motion::Obstacle(number) => {
+                SurfaceMotion::Obstacle(number) => {
                     let motion = bodies[*number].0.motion();
                     let poses = [0.0, dt].map(|time| motion.pose_at(time));
                     // What stands still is there already.
@@ -181,7 +181,7 @@ impl Surfaces {
                         places.for_each(|(x, local)| *x = pose.to_world(*local));
                     }
                 }
-                Motion::Own(animation, _) => {
+                SurfaceMotion::Own(animation, _) => {
                     animation.place(self.time, own_from);
                     animation.place(self.time + dt, own_to);
                 }
@@ -256,7 +256,7 @@ impl PotentialContacts {
     /// What the last step took, of a method that projects positions.
     #[must_use]
     pub fn constraint_report(&self) -> ConstraintReport {
-        self.contacts.rows.report
+        self.contacts.constraints.report
     }
 
     /// Whether forces are recorded from the next step on; nothing is spent on them otherwise. They always are where
@@ -283,8 +283,8 @@ impl PotentialContacts {
     }
 
     /// Work (J) in the last step that bodies which the cloth pushes did on it, a part of
-    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and held vertices which
-    /// stop those did on them.
+    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and prescribed vertices
+    /// which stop those did on them.
     #[must_use]
     pub fn free_work(&self) -> [Real; 2] {
         self.contacts.free.work
@@ -304,7 +304,7 @@ impl PotentialContacts {
     /// friction as they were there. The positions of the cloth are the caller's.
     pub fn take_back(&mut self) {
         if !std::mem::replace(&mut self.contacts.is_open, true) {
-            self.contacts.stretched.take_back();
+            self.contacts.tangential.take_back();
         }
     }
 
@@ -316,7 +316,8 @@ impl PotentialContacts {
     }
 
     /// From the next step on these vertices are sewn together, and no others; see
-    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). What has a vertex that there is not is left out.
+    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). What names a vertex beyond those of the cloth is left
+    /// out.
     pub fn sew(&mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) {
         self.contacts.near.own.sewn = Sewn::new(pairs, onto_edges, self.surfaces.cloth);
         self.contacts.is_anew = true;
@@ -342,8 +343,8 @@ impl PotentialContacts {
     /// Whether a vertex of the cloth at `x` (m) is inside of a body with an inside and a surface.
     pub(crate) fn contain(&self, vertex: u32, x: Vec3) -> bool {
         let bodies = self.surfaces.list.iter().filter_map(|s| match s.motion {
-            Motion::Obstacle(number) => Some(&self.contacts.bodies[number].0),
-            Motion::Own(..) => None,
+            SurfaceMotion::Obstacle(number) => Some(&self.contacts.bodies[number].0),
+            SurfaceMotion::Own(..) => None,
         });
         let mut bodies = bodies.filter(|_| (vertex as usize) < self.surfaces.cloth);
         bodies.any(|body| body.signed_distance(x, 0.0).value <= 0.0)
@@ -374,8 +375,8 @@ impl PotentialContacts {
     /// The prescribed vertices around which triangles pass through a body, with its number each: obstacles first, then
     /// animated surfaces.
     #[must_use]
-    pub fn held_inside(&self) -> &[[u32; 2]] {
-        self.contacts.near.held.pairs()
+    pub fn prescribed_inside(&self) -> &[[u32; 2]] {
+        self.contacts.near.prescribed_inside.pairs()
     }
 
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
@@ -445,7 +446,7 @@ impl ContactSource for PotentialContacts {
     }
 
     fn truncated_count(&self) -> usize {
-        self.contacts.held
+        self.contacts.truncated
     }
 }
 

@@ -1,7 +1,7 @@
-//! What one row makes of the law of contact and of that of friction.
+//! What one constraint makes of the law of contact and of that of friction.
 
-use super::rows::LEAST;
-use crate::obstacle::{Distance, PenaltyLaw, hold};
+use super::constraints::LEAST;
+use crate::obstacle::{Distance, PenaltyLaw};
 use cloth_core::math::{Real, Vec3};
 
 /// The tangent of a contact law at a distance: the force (N) is `stiffness` (N/m) times what is missing to `range` (m).
@@ -37,9 +37,14 @@ pub(super) fn across(v: Vec3, normal: Vec3) -> Vec3 {
     v - normal * normal.dot(&v)
 }
 
+/// A force or displacement along the surface that is not larger than `most`.
+pub(super) fn clamp_to_friction_cone(tangential: Vec3, most: Real) -> Vec3 {
+    tangential * (most / tangential.norm()).min(1.0)
+}
+
 /// A unilateral constraint in a substep, C = d − d̂ ≥ 0 for a distance d, and what it has pushed with so far.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct UnilateralConstraint {
+pub(super) struct ConstraintState {
     /// d̂ (m), α̃ (1/kg), and μ (dimensionless).
     pub(super) range: Real,
     pub(super) compliance: Real,
@@ -51,7 +56,7 @@ pub(super) struct UnilateralConstraint {
     pub(super) origin: Vec3,
 }
 
-impl UnilateralConstraint {
+impl ConstraintState {
     /// Gives in no more at the `distance` (m) at the start of the substep, instead of coming `now` (m) near. What is
     /// nearer than `least` (m) comes back with half of the speed with which it came: all at once, the shorter the
     /// substep, the faster it would leave.
@@ -63,33 +68,39 @@ impl UnilateralConstraint {
     }
 
     /// XPBD's projection, with friction in its cone: the push (kg m) on a `point` (m) at the distance `at`, which gives
-    /// way by `ease` (1/kg). Nothing without contact.
+    /// way by `inverse_effective_mass` (1/kg). Nothing without contact.
     #[inline]
-    pub(super) fn project(&mut self, at: &Distance, point: Vec3, ease: Real) -> Option<Vec3> {
+    pub(super) fn project(
+        &mut self,
+        at: &Distance,
+        point: Vec3,
+        inverse_effective_mass: Real,
+    ) -> Option<Vec3> {
         let value = at.value - self.range;
         if value >= 0.0 && self.lambda == 0.0 {
             return None;
         }
         let change = -(value + self.compliance * self.lambda)
-            / (ease * at.slope * at.slope + self.compliance);
+            / (inverse_effective_mass * at.slope * at.slope + self.compliance);
         let lambda = (self.lambda + change).max(0.0);
         let mut push = at.gradient() * (lambda - self.lambda);
         self.lambda = lambda;
         if self.coefficient > 0.0 {
             let slip = across(point - self.origin, at.normal);
             let most = self.coefficient * lambda * at.slope;
-            let held = hold(self.friction - slip / ease, most);
-            push += held - self.friction;
-            self.friction = held;
+            let clamped =
+                clamp_to_friction_cone(self.friction - slip / inverse_effective_mass, most);
+            push += clamped - self.friction;
+            self.friction = clamped;
         }
         Some(push)
     }
 
-    /// What friction is stretched by (m) with the point at `point` (m): it gives in elastically by `reach` (m), and
+    /// Tangential displacement (m) with the point at `point` (m): friction gives in elastically by `reach` (m), and
     /// what is more is slip. Nothing without a force λ.
-    pub(super) fn stretch(&self, point: Vec3, normal: Vec3, reach: Real) -> Vec3 {
+    pub(super) fn tangential(&self, point: Vec3, normal: Vec3, reach: Real) -> Vec3 {
         if self.lambda > 0.0 {
-            hold(across(point - self.origin, normal), reach)
+            clamp_to_friction_cone(across(point - self.origin, normal), reach)
         } else {
             Vec3::zeros()
         }

@@ -1,4 +1,9 @@
 //! Impact zones: parts of the cloth that move as rigid bodies for one step.
+//!
+//! With the masses m, positions x and velocities u of the vertices of a zone, M = Σ m, the centre c = Σ m x/M, the
+//! momentum P = Σ m u, the angular momentum L = Σ m (x − c) × u, and the inertia I = Σ m (‖x − c‖² 1 − (x − c)(x −
+//! c)ᵀ), all move with v = P/M and ω = I⁻¹ L, which keeps P and L: u ← v + ω × (x − c). On a path from x₀, u is the
+//! displacement x − x₀, and x ← c₀ + v + R(ω) (x₀ − c₀), with the rotation R by the vector ω.
 
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::topology::DisjointSets;

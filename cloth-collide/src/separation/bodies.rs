@@ -1,4 +1,4 @@
-//! How many triangles of the cloth go through bodies?
+//! The triangles of the cloth that go through bodies.
 
 use super::meet_unduly;
 use crate::broad_phase::TrianglePairs;

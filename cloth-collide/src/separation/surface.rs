@@ -1,4 +1,4 @@
-//! How far are points from a surface?
+//! The distance of points from a surface.
 
 use crate::convert::{nearest_triangle, tree_over};
 use cloth_core::math::{Real, Vec3, gather, is_finite};

@@ -1,5 +1,6 @@
 //! The way back: no vertex stays farther from where it was than contact asks for.
 
+use crate::bounds::farthest;
 use crate::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
@@ -43,8 +44,8 @@ pub fn project_back(
     let (mut from, mut velocities) = (positions.to_vec(), vec![Vec3::zeros(); count]);
     for _ in 0..MOST_RETURNS {
         from.copy_from_slice(positions);
-        let displacements = start.iter().zip(&from).map(|(a, b)| (b - a).norm());
-        let part = (LONGEST * thickness / displacements.fold(0.0, Real::max)).min(1.0);
+        let farthest_back = farthest(start, &from, Vec3::zeros());
+        let part = (LONGEST * thickness / farthest_back).min(1.0);
         for ((x, start), w) in positions.iter_mut().zip(start).zip(inverse_mass) {
             if *w > 0.0 {
                 *x += (start - *x) * part;
@@ -56,8 +57,7 @@ pub fn project_back(
             dt: LONG,
         };
         projection.step(contacts, &step, SWEEPS, positions, &mut velocities)?;
-        let displacements = from.iter().zip(&*positions).map(|(a, b)| (b - a).norm());
-        if displacements.fold(0.0, Real::max) < AT_REST * thickness {
+        if farthest(&from, positions, Vec3::zeros()) < AT_REST * thickness {
             break;
         }
     }

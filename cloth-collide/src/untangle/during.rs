@@ -12,16 +12,16 @@ const RINGS: u32 = 3;
 /// that fall onto a ball become free after 9 to 11 steps with four (implicit Euler, projective dynamics, XPBD), 13 to
 /// 18 with three, 22 to 92 with two, and with one in 68 (XPBD) or never.
 const ITERATIONS: u32 = 4;
-/// And one more for each step without fewer crossing pairs, up to so many: elasticity pulls back what is moved.
+/// And one more for each step without fewer crossing pairs, up to this many: elasticity pulls back what is moved.
 const MORE_ITERATIONS: u32 = 16;
 
 /// Pulls a tangled cloth apart step by step while a method simulates it, and lets contact keep everything else apart.
 ///
-/// Before each step, what crosses now is let go: around the contour, and where it cuts parts off, the cloth falls into
-/// *regions*; pairs of pieces in two regions that cross each other are left out of contact, and of its checks. All
+/// Before each step, what crosses now is excluded: around the contour, and where it cuts parts off, the cloth falls
+/// into *regions*; pairs of pieces in two regions that cross each other are left out of contact, and of its checks. All
 /// others keep what [`PotentialContacts`] promises, so nothing can become tangled elsewhere. Then a few iterations move
-/// the cloth, as far as those others let it. Elasticity smooths what it leaves. Once nothing crosses, no pair is let go
-/// any more, and contact keeps it that way.
+/// the cloth, as far as those others let it. Elasticity smooths what it leaves. Once nothing crosses, no pair is
+/// excluded any more, and contact keeps it that way.
 ///
 /// Bodies take part as triangles that stay where they are. A region that crosses one passes through it until nothing
 /// crosses it any more and no vertex that passes is inside, as [pinched cloth](crate::potential#pinched-cloth) does.
@@ -89,7 +89,7 @@ impl StepUntangler {
     }
 
     /// Before a step from `positions` (m): moves them if anything crosses, and tells `contacts`, of which this was made
-    /// and which that step has to take, what is let go. Returns how many pairs of triangles crossed. Does nothing any
+    /// and which that step has to take, what is excluded. Returns how many pairs of triangles crossed. Does nothing any
     /// more once there were none. Vertices with an `inverse_mass` (1/kg) of 0 stay. `velocities` (m/s) lose what goes
     /// against that motion: what is pushed up a body does not fall on meanwhile.
     ///
@@ -115,7 +115,7 @@ impl StepUntangler {
             *is_free = Real::from(u8::from(*w > 0.0));
         }
         contacts.place_bodies(&mut self.places[self.cloth..]);
-        self.look(contacts, positions)?;
+        self.find_crossings(contacts, positions)?;
         let crossing = self.crossing();
         let count = crossing.count();
         let fewest = self.best.filter(|(fewest, _)| count >= *fewest);
@@ -146,7 +146,7 @@ impl StepUntangler {
             let own = &mut self.places[..self.cloth];
             contacts.keep_free(positions, inverse_mass, own)?;
             positions.copy_from_slice(own);
-            self.look(contacts, positions)?;
+            self.find_crossings(contacts, positions)?;
         }
         for ((v, x), start) in velocities.iter_mut().zip(positions).zip(&self.start) {
             let way = *x - start;
@@ -158,7 +158,7 @@ impl StepUntangler {
         Ok(crossing)
     }
 
-    /// What crosses where it was looked at last.
+    /// What crosses where it was found last.
     fn crossing(&self) -> CrossingPairs {
         let is_own = |pair: &&[u32; 2]| pair.iter().all(|&t| self.is_own(t));
         let meeting = &self.untangler.contour.meeting;
@@ -195,8 +195,8 @@ impl StepUntangler {
         best.map(|(_, since)| since)
     }
 
-    /// Finds what crosses with the cloth at `positions` (m), and lets it go.
-    fn look(
+    /// Finds what crosses with the cloth at `positions` (m), and excludes it.
+    fn find_crossings(
         &mut self,
         contacts: &mut PotentialContacts,
         positions: &[Vec3],
@@ -208,7 +208,7 @@ impl StepUntangler {
         };
         self.untangler.contour.find(&self.places, world)?;
         self.divide(contacts);
-        contacts.let_go(&self.region, &self.pairs, &self.passing);
+        contacts.exclude_crossing(&self.region, &self.pairs, &self.passing);
         Ok(())
     }
 

@@ -45,7 +45,7 @@ impl Smoother {
         }
     }
 
-    /// Replaces, in each of so many rounds, the displacement of every free vertex by the mean of it and of the mean of
+    /// Replaces, in each of `rounds` rounds, the displacement of every free vertex by the mean of it and of the mean of
     /// its neighbours' `displacements`.
     pub(super) fn smooth(
         &mut self,

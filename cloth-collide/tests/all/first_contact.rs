@@ -10,11 +10,7 @@ fn v(x: f64, y: f64, z: f64) -> Vec3 {
 }
 
 fn straight(from: Vec3, velocity: Vec3) -> VertexPath {
-    VertexPath {
-        from,
-        velocity,
-        acceleration: Vec3::zeros(),
-    }
+    VertexPath { from, velocity }
 }
 
 #[test]
@@ -59,16 +55,6 @@ fn times_of_impact_are_those_of_the_closed_forms_in_a_few_evaluations() {
             "{hit:?} {exact}"
         );
         assert!(hit.evaluations <= 3, "{hit:?}");
-
-        // Thrown upwards: h + v t − g t²/2 = 0.01.
-        let thrown = VertexPath {
-            acceleration: v(0.0, 0.0, -9.81),
-            ..straight(v(0.0, 0.0, height), v(1.0, 2.0, 0.1 * speed))
-        };
-        let hit = first_contact(&floor, &thrown, 0.0, 100.0, 0.01).unwrap();
-        let s = 0.1 * speed;
-        let exact = (s + (s * s + 2.0 * 9.81 * (height - 0.01)).sqrt()) / 9.81;
-        assert!((hit.time - exact).abs() < 1e-13, "{hit:?} {exact}");
 
         // Past the ball at the distance b of the straight way from its centre: hit if b < r + h.
         let b = random.real(0.51).abs() * (1.0 - 1e-6);
@@ -118,11 +104,8 @@ fn contact_is_never_late_and_never_missed() {
             };
             obstacle.set_motion(motion).unwrap();
             let from = random.point(1.5);
-            let path = VertexPath {
-                from,
-                velocity: (random.point(0.3) - from) * (2.0 + random.real(1.0)),
-                acceleration: random.point(if i % 2 == 0 { 0.0 } else { 10.0 }),
-            };
+            let speed = 2.0 + random.real(1.0);
+            let path = straight(from, (random.point(0.3) - from) * speed);
             let start = random.real(0.5);
             let gap =
                 |t: Real| obstacle.signed_distance(path.position(t), start + t).value - thickness;
@@ -142,12 +125,14 @@ fn contact_is_never_late_and_never_missed() {
                 hits += 1;
                 assert!(hit.time > 0.0 && hit.evaluations <= 512);
                 uncertain += u32::from(!hit.certain);
-                assert!(!hit.certain || gap(hit.time) < 1e-13, "{name} {i} {hit:?}");
+                // One that spends its evaluations grazes the surface.
+                let near = if hit.certain { 1e-13 } else { 1e-4 };
+                assert!(gap(hit.time) < near, "{name} {i} {hit:?}");
             }
         }
         assert!(hits > 100, "{name}: {hits} contacts");
         assert!(
-            uncertain * 50 < hits,
+            uncertain * 25 < hits,
             "{name}: {uncertain} of {hits} uncertain"
         );
     }

@@ -6,7 +6,7 @@ use crate::ccd::QueryKind;
 fn pairs_of_the_same_vertices_have_stretches_of_their_own() {
     let sticking = |kind: QueryKind, origin: Real| {
         let vertices = [0, 1, 2, 3];
-        Sticking {
+        FrictionContact {
             key: Key::Pair(Pair { kind, vertices }),
             vertices,
             weights: [0.0; 4],
@@ -19,9 +19,9 @@ fn pairs_of_the_same_vertices_have_stretches_of_their_own() {
         sticking(QueryKind::EdgeEdge, 1.0),
         sticking(QueryKind::VertexTriangle, 2.0),
     ];
-    let mut stretched = Stretched::default();
-    stretched.replace(&both, 5.0, &[Vec3::zeros(); 4]);
-    assert_eq!(stretched.of(both[0].key), -Vec3::x());
-    assert_eq!(stretched.of(both[1].key), -Vec3::x() * 2.0);
-    assert_eq!(stretched.of(Key::Obstacle([0, 1])), Vec3::zeros());
+    let mut tangential = TangentialDisplacements::default();
+    tangential.replace(&both, 5.0, &[Vec3::zeros(); 4]);
+    assert_eq!(tangential.of(both[0].key), -Vec3::x());
+    assert_eq!(tangential.of(both[1].key), -Vec3::x() * 2.0);
+    assert_eq!(tangential.of(Key::Obstacle([0, 1])), Vec3::zeros());
 }

@@ -1,4 +1,4 @@
-//! The walk in double precision, for what is nearer than `f64` can tell.
+//! The walk in double-double numbers, for what is nearer than `f64` can tell.
 
 use super::Walk;
 use crate::ccd::difference::{Feature, NearestFeature};
@@ -19,8 +19,9 @@ impl<const K: usize> Walk<K>
 where
     [Vec3; K]: NearestFeature,
 {
-    /// The walk in double precision from `time` on, which `coarse` has reached, trying the part `trial` of the motion
-    /// first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not.
+    /// The walk in double-double numbers from `time` on, which `coarse` has reached, trying the part `trial` of the
+    /// motion first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do
+    /// not.
     ///
     /// So near, `f64` cannot tell either which feature is the nearest. So in each step all are tried, and the one is
     /// taken whose direction certifies most of the trial. The one that was taken in the step before comes first: it

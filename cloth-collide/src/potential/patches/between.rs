@@ -1,9 +1,9 @@
 //! What can touch between two patches.
 
-use super::detect::Look;
-use super::motions::{Motions, Pose};
-use super::{LOOKS, NearPair};
-use cloth_core::math::{Real, Vec3};
+use super::detect::PatchQuery;
+use super::measure::{Places, RelativePose};
+use super::{NearPair, QUERIES};
+use cloth_core::math::Real;
 use cloth_core::method::parallel::{join, wide};
 
 /// Two patches, or one with itself, and what can touch between them.
@@ -11,28 +11,21 @@ use cloth_core::method::parallel::{join, wide};
 pub(super) struct PatchPair {
     pub(super) patches: [u32; 2],
     /// The second patch as seen from the first, and sum of the spreads (m), when the pairs were found.
-    pub(super) pose: Pose,
+    pub(super) pose: RelativePose,
     pub(super) spread: Real,
     /// Relative motion (m) for which the pairs are complete.
     pub(super) budget: Real,
-    /// In the order of what they lacked to contact.
+    /// In the order of their excess gap.
     pub(super) pairs: Vec<NearPair>,
-    /// The travel (m) until which each lacks something: apart from the pairs, because most of them are only asked for
-    /// this.
-    pub(super) wakes: Vec<Real>,
-    /// Room to work in: those of an earlier list that have a row.
+    /// The travel (m) from which on each may touch: apart from the pairs, because most of them are only asked for this.
+    pub(super) active_from: Vec<Real>,
+    /// Scratch: those of an earlier list that have a constraint.
     pub(super) known: Vec<NearPair>,
-    /// How many of them lacked less than `next` (m).
+    /// How many of them had an excess gap of less than `next` (m).
     pub(super) first: usize,
     pub(super) next: Real,
-    /// Bound on the relative motion (m), added up until the start of the substep that it was last brought up to;
-    /// difference of the centres and sum of the paths (m) there.
+    /// Sum of the changes (m) since then, until the start of the substep.
     pub(super) travel: Real,
-    pub(super) last_apart: Vec3,
-    pub(super) last_path: Real,
-    /// Relative motion and travel (m) that were looked at, and in which substep.
-    pub(super) looked: [Real; 2],
-    pub(super) looked_in: u32,
 }
 
 impl PatchPair {
@@ -42,47 +35,46 @@ impl PatchPair {
         Self {
             patches,
             budget: Real::NEG_INFINITY,
-            looked: [-1.0; 2],
-            looked_in: 0,
             ..self
         }
     }
 
     /// The bound on what the two have moved relative to each other (m) since their pairs were found.
     #[inline]
-    pub(super) fn moved(&self, now: &Motions) -> Real {
+    pub(super) fn moved(&self, now: &Places) -> Real {
         let change = self.pose.change(&now.pose(self.patches));
         change + now.spread(self.patches) - self.spread
     }
 
-    /// Asks `lack` what (m) the pairs lack to contact that may touch in the motion that is looked
-    /// at. Returns how far the two can move until another pair may touch (m).
-    pub(super) fn wake(
+    /// Asks `excess` for the excess gap (m) of the pairs that may touch in the motion at hand. Returns how far the two
+    /// can move until another pair may touch (m).
+    pub(super) fn ask(
         &mut self,
-        look: &Look,
-        mut lack: impl FnMut(&mut NearPair) -> Option<Real>,
+        query: &PatchQuery,
+        mut excess: impl FnMut(&mut NearPair) -> Option<Real>,
     ) -> Real {
-        let until = self.travel + look.once;
-        if look.moved > self.next {
+        let until = self.travel + query.once;
+        if query.moved() > self.next {
             let more = self.pairs[self.first..].iter();
-            self.first += more.take_while(|pair| pair.room < look.moved).count();
+            self.first += more.take_while(|pair| pair.excess < query.moved()).count();
             let next = self.pairs.get(self.first);
-            self.next = next.map_or(self.budget, |pair| pair.room);
+            self.next = next.map_or(self.budget, |pair| pair.excess);
         }
-        let wakes = &mut self.wakes[..self.first];
-        for (wake, pair) in wakes.iter_mut().zip(&mut self.pairs) {
-            if *wake < until
-                && let Some(lack) = lack(pair)
+        let active_from = &mut self.active_from[..self.first];
+        for (active_from, pair) in active_from.iter_mut().zip(&mut self.pairs) {
+            if *active_from < until
+                && let Some(excess) = excess(pair)
             {
-                *wake = self.travel + lack;
+                *active_from = self.travel + excess;
             }
         }
-        let wake = wide(|| smallest(wakes)) - self.travel;
-        wake.min(self.next.min(self.budget) - look.now)
+        let least = wide(|| smallest(active_from)) - self.travel;
+        least.min(self.next.min(self.budget) - query.now)
     }
 }
 
-/// What is done with the pairs that may touch in a substep; see [`Patches::look`](super::Patches::look).
+/// What is done with the pairs that may touch in a substep; see
+/// [`Patches::detect_for_substep`](super::Patches::detect_for_substep).
 #[derive(Debug)]
 pub(super) struct Visits<'a, F> {
     pub(super) substep: u32,
@@ -92,36 +84,36 @@ pub(super) struct Visits<'a, F> {
 }
 
 impl<F> Visits<'_, F> {
-    /// Fills the lists, each from as many looks, on several threads. The first of the looks, of the pairs of patches
-    /// and of the lists have these numbers.
-    pub(super) fn wake_all<T: Send>(
+    /// Fills the lists, each from as many queries, on several threads. The first of the pairs of patches and of the
+    /// lists have these numbers.
+    pub(super) fn ask_all<T: Send>(
         &self,
-        looks: &mut [Look],
+        queries: &mut [PatchQuery],
         (pairs, first): (&mut [PatchPair], usize),
         (lists, list): (&mut [Vec<T>], u32),
     ) where
         F: Fn(&mut Vec<T>, &mut NearPair, Option<[u32; 2]>, Real) -> Real + Sync,
     {
         if let [only] = lists {
-            for look in looks {
-                let pair = &mut pairs[look.number as usize - first];
-                self.wake(look, pair, (only, list));
+            for query in queries {
+                let pair = &mut pairs[query.number as usize - first];
+                self.ask(query, pair, (only, list));
             }
             return;
         }
         let middle = lists.len() / 2;
-        let (looks, other_looks) = looks.split_at_mut((middle * LOOKS).min(looks.len()));
-        let Some(next) = other_looks.first().map(|look| look.number as usize) else {
+        let (queries, other_queries) = queries.split_at_mut((middle * QUERIES).min(queries.len()));
+        let Some(next) = other_queries.first().map(|query| query.number as usize) else {
             return;
         };
         let (pairs, other_pairs) = pairs.split_at_mut(next - first);
         let (lists, other_lists) = lists.split_at_mut(middle);
         join(
             self.vertices,
-            || self.wake_all(looks, (pairs, first), (lists, list)),
+            || self.ask_all(queries, (pairs, first), (lists, list)),
             || {
-                self.wake_all(
-                    other_looks,
+                self.ask_all(
+                    other_queries,
                     (other_pairs, next),
                     (other_lists, list + middle as u32),
                 )
@@ -129,22 +121,24 @@ impl<F> Visits<'_, F> {
         );
     }
 
-    fn wake<T>(&self, look: &mut Look, between: &mut PatchPair, (rows, list): (&mut Vec<T>, u32))
-    where
+    fn ask<T>(
+        &self,
+        query: &mut PatchQuery,
+        between: &mut PatchPair,
+        (constraints, list): (&mut Vec<T>, u32),
+    ) where
         F: Fn(&mut Vec<T>, &mut NearPair, Option<[u32; 2]>, Real) -> Real,
     {
         let travel = between.travel;
-        between.looked = [look.moved, travel + look.once];
-        between.looked_in = self.substep;
-        look.left = between.wake(look, |pair| {
+        query.left = between.ask(query, |pair| {
             let seen = std::mem::replace(&mut pair.seen, self.substep);
             // Once in a substep.
             (seen != self.substep).then(|| {
-                let last = (seen > 0 && seen + 1 == self.substep).then_some(pair.row);
-                let index = rows.len() as u32;
-                let lack = (self.visit)(rows, pair, last, travel);
-                pair.row = [list, index];
-                lack
+                let last = (seen > 0 && seen + 1 == self.substep).then_some(pair.constraint);
+                let index = constraints.len() as u32;
+                let excess = (self.visit)(constraints, pair, last, travel);
+                pair.constraint = [list, index];
+                excess
             })
         });
     }

@@ -1,56 +1,59 @@
 //! The pairs of primitives between two patches.
 
 use super::between::PatchPair;
-use super::{HOLD, LEAST_ROOM, MOST_ROOM, NearPair, PATCH, Patches, around};
+use super::{LARGEST_BOUND, LEAST_BOUND, MOTIONS, NearPair, PATCH, Patches};
 use crate::bounds::Bounds;
 use crate::pair::{Pair, nearest};
+use crate::potential::constraints::SLACK;
 use crate::potential::near::Near;
-use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::parallel::{join, wide};
 
-/// Looks at pairs of patches that are not split between threads any more, at most.
+/// Queries that are not split between threads any more, at most.
 const BATCH: usize = 8;
 
-/// A look at the motion of two patches.
+/// What is asked of two patches.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
+pub(super) struct PatchQuery {
     /// The number of the pair of patches.
     pub(super) number: u32,
-    /// By how much (m) the two have moved against each other since their pairs were found: now, and at most in the
-    /// motion; and in the motion alone.
+    /// By how much (m) the two have moved relative to each other since their pairs were found, and how much they may in
+    /// the motion at hand.
     pub(super) now: Real,
-    pub(super) moved: Real,
     pub(super) once: Real,
-    /// How far (m) they can move until another pair may touch, once that is known.
+    /// The answer: how far (m) they can move until another pair may touch.
     pub(super) left: Real,
 }
 
-impl Look {
-    pub(super) fn new(number: usize, [now, moved, once]: [Real; 3]) -> Self {
+impl PatchQuery {
+    pub(super) fn new(number: usize, now: Real, once: Real) -> Self {
         Self {
             number: number as u32,
             now,
-            moved,
             once,
             left: 0.0,
         }
     }
+
+    /// Both together (m).
+    pub(super) fn moved(&self) -> Real {
+        self.now + self.once
+    }
 }
 
 impl Patches {
-    /// Makes sure that the pairs of primitives are complete for what is looked at.
-    pub(super) fn find(&mut self, near: &Near, x: &[Vec3], looks: &mut [Look]) {
-        for look in &*looks {
-            let pair = &self.pairs[look.number as usize];
-            if look.moved > pair.budget {
+    /// Makes sure that the pairs of primitives are complete for what is asked.
+    pub(super) fn find(&mut self, near: &Near, x: &[Vec3], queries: &mut [PatchQuery]) {
+        for query in &*queries {
+            let pair = &self.pairs[query.number as usize];
+            if query.moved() > pair.budget {
                 let [p, q] = pair.patches.map(|p| p as usize);
                 self.refer(p);
                 self.refer(q);
             }
         }
         let mut pairs = std::mem::take(&mut self.pairs);
-        self.detections += self.detect_all(near, x, &mut pairs, 0, looks);
+        self.detections += self.detect_all(near, x, &mut pairs, 0, queries);
         self.pairs = pairs;
     }
 
@@ -62,10 +65,10 @@ impl Patches {
         x: &[Vec3],
         pairs: &mut [PatchPair],
         first: usize,
-        looks: &mut [Look],
+        queries: &mut [PatchQuery],
     ) -> u32 {
-        if looks.len() > BATCH {
-            let (one, other) = looks.split_at_mut(looks.len() / 2);
+        if queries.len() > BATCH {
+            let (one, other) = queries.split_at_mut(queries.len() / 2);
             let middle = other[0].number as usize;
             let (before, after) = pairs.split_at_mut(middle - first);
             let (a, b) = join(
@@ -76,62 +79,63 @@ impl Patches {
             return a + b;
         }
         let mut count = 0;
-        for look in looks {
-            let pair = &mut pairs[look.number as usize - first];
-            if look.moved > pair.budget {
-                count += u32::from(self.detect(near, x, pair, look.once));
-                (look.now, look.moved) = (0.0, look.once);
+        for query in queries {
+            let pair = &mut pairs[query.number as usize - first];
+            if query.moved() > pair.budget {
+                count += u32::from(self.detect(near, x, pair, query.once));
+                query.now = 0.0;
             }
         }
         count
     }
 
-    /// Finds the pairs between two patches anew, with room for the present motion, of `once` (m), and more. Returns
-    /// whether they are near at all.
+    /// Finds the pairs between two patches anew, with a motion bound for the present motion, of `once` (m), and more.
+    /// Returns whether they are near at all.
     fn detect(&self, near: &Near, x: &[Vec3], pair: &mut PatchPair, once: Real) -> bool {
         let h = near.law.range();
         let [p, q] = pair.patches.map(|p| p as usize);
-        let boxes = [p, q].map(|p| around(&self.members[p].1, x));
-        let room = self.room_for(near, once);
-        (pair.last_apart, pair.last_path) = self.now.of(pair.patches);
+        let boxes = [p, q].map(|p| Bounds::of_vertices(&self.members[p].1, x));
+        let bound = self.motion_bound(near, once);
         pair.pose = self.now.pose(pair.patches);
         pair.spread = self.now.spread(pair.patches);
         pair.travel = 0.0;
         (pair.first, pair.next) = (0, Real::NEG_INFINITY);
-        pair.wakes.clear();
+        pair.active_from.clear();
         pair.known.clear();
-        let known = pair.pairs.drain(..).filter(|old| self.has_row(old));
+        let known = pair.pairs.drain(..).filter(|old| self.has_constraint(old));
         pair.known.extend(known);
         let gap = boxes[0].squared_gap(&boxes[1]).sqrt();
-        if gap > h + room {
+        if gap > h + bound {
             pair.budget = gap - h;
             return false;
         }
-        pair.budget = room;
-        self.collect(near, x, ([p, q], boxes), h + room, &mut pair.pairs);
+        pair.budget = bound;
+        self.collect(near, x, ([p, q], boxes), h + bound, &mut pair.pairs);
         let order = |a: &NearPair, b: &NearPair| {
-            let rooms = a.room.total_cmp(&b.room);
-            rooms.then_with(|| a.pair.cmp(&b.pair))
+            let excess = a.excess.total_cmp(&b.excess);
+            excess.then_with(|| a.pair.cmp(&b.pair))
         };
         pair.pairs.sort_unstable_by(order);
-        pair.wakes.extend(pair.pairs.iter().map(|pair| pair.room));
+        pair.active_from
+            .extend(pair.pairs.iter().map(|pair| pair.excess));
         pair.known.sort_unstable_by_key(|old| old.pair);
         if !pair.known.is_empty() {
             for found in &mut pair.pairs {
                 if let Ok(old) = pair.known.binary_search_by_key(&found.pair, |old| old.pair) {
-                    (found.seen, found.row) = (pair.known[old].seen, pair.known[old].row);
+                    (found.seen, found.constraint) =
+                        (pair.known[old].seen, pair.known[old].constraint);
                 }
             }
         }
         true
     }
 
-    /// The room (m) of a search, where patches move by `once` (m) in the motion.
-    fn room_for(&self, near: &Near, once: Real) -> Real {
+    /// The motion bound (m) of a detection, where patches move by `once` (m) in the motion.
+    fn motion_bound(&self, near: &Near, once: Real) -> Real {
         let h = near.law.range();
         let once = once + SLACK * h;
-        let room = (HOLD * once).clamp(LEAST_ROOM * h, (MOST_ROOM * self.edge).max(h));
-        room.max(1.5 * once)
+        let bound = (MOTIONS * once).clamp(LEAST_BOUND * h, (LARGEST_BOUND * self.edge).max(h));
+        bound.max(1.5 * once)
     }
 
     /// Appends the pairs of primitives of two patches that are nearer than `reach` (m) at `x` (m).
@@ -202,13 +206,13 @@ fn near_pair(
     }
     let range = near.range_of(pair);
     Some(NearPair {
-        room: distance - range,
+        excess: distance - range,
         range,
         area: near.area_at_rest(pair, numbers),
         pair,
         known_at: Real::NEG_INFINITY,
         seen: 0,
-        row: [0; 2],
+        constraint: [0; 2],
     })
 }
 

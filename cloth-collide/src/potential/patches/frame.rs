@@ -21,9 +21,9 @@ pub(super) type Four = [[Real; 4]; 3];
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group {
     vertices: [u32; 4],
-    /// The share that each has in the centre (dimensionless), and where it is at rest along the two longest directions
+    /// The weight that each has in the centre (dimensionless), and where it is at rest along the two longest directions
     /// of the patch (m), from the centre: 0 for one that is there twice.
-    shares: [Real; 4],
+    weights: [Real; 4],
     along: [[Real; 4]; 2],
 }
 
@@ -31,8 +31,8 @@ pub(super) struct Group {
 /// eigenvectors of the covariance of its vertices.
 pub(super) fn groups(vertices: &[u32], x: &[Vec3]) -> Vec<Group> {
     let at = |v: u32| x[v as usize];
-    let share = 1.0 / vertices.len() as Real;
-    let centre = vertices.iter().map(|&v| at(v)).sum::<Vec3>() * share;
+    let weight = 1.0 / vertices.len() as Real;
+    let centre = vertices.iter().map(|&v| at(v)).sum::<Vec3>() * weight;
     let arms = vertices.iter().map(|&v| at(v) - centre);
     let covariance: Mat3 = arms.map(|arm| arm * arm.transpose()).sum();
     let eigen = covariance.symmetric_eigen();
@@ -41,12 +41,12 @@ pub(super) fn groups(vertices: &[u32], x: &[Vec3]) -> Vec<Group> {
     let group = |four: &[u32]| {
         let mut group = Group {
             vertices: [four[0]; 4],
-            shares: [0.0; 4],
+            weights: [0.0; 4],
             along: [[0.0; 4]; 2],
         };
         for (k, &v) in four.iter().enumerate() {
             group.vertices[k] = v;
-            group.shares[k] = share;
+            group.weights[k] = weight;
             for (along, axis) in group.along.iter_mut().zip(&axes) {
                 along[k] = axis.dot(&(at(v) - centre));
             }
@@ -71,7 +71,7 @@ impl Frame {
                 let x = &x[v as usize];
                 (arms[0][k], arms[1][k], arms[2][k]) = (x.x, x.y, x.z);
             }
-            add(&mut sum, &group.shares, arms);
+            add(&mut sum, &group.weights, arms);
         }
         self.centre = total(&sum);
         for arms in arms {

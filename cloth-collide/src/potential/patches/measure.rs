@@ -1,24 +1,110 @@
 //! Where patches are, how they are turned, and how far they go.
 
 use super::Patches;
-use super::frame::{Frame, farthest, root, tilt, times};
-use super::motions::Motions;
-use cloth_core::math::{Real, Vec3};
+use super::frame::{Four, Frame, farthest, root, tilt, times};
+use crate::bounds::{self, mean};
+use crate::potential::near::Near;
+use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::parallel::wide;
 use std::ops::Range;
 
-/// What a path may turn a patch by beyond what was looked at, as a difference of rotations (dimensionless).
-pub(super) const TURN: Real = 0.05;
-/// Difference of rotations from which on a path is measured as if patches did not turn.
-const LARGEST_TURN: Real = 0.5;
+/// Difference of rotations (dimensionless) up to which a path counts the turn of a patch apart from its change.
+const LARGEST_TURN: Real = 0.2;
+/// What a straight path leaves of a vector that turns by so much one way at one end, and the other way at the other.
+const CHORD: Real = 1.0 - 0.5 * LARGEST_TURN * LARGEST_TURN;
 
-/// Bounds on the relative motion of two patches on all paths of which both ends keep them.
+/// All patches at one moment.
+#[derive(Debug, Default)]
+pub(super) struct Places {
+    /// Centre (m) and axes; its vertices, from the centre (m); the distance (m) of the farthest of them; and the
+    /// spread (m).
+    pub(super) frames: Vec<Frame>,
+    pub(super) arms: Vec<Four>,
+    pub(super) radii: Vec<Real>,
+    pub(super) spreads: Vec<Real>,
+    /// Mean of the centres of the cloth (m).
+    pub(super) mean: Vec3,
+}
+
+/// What one patch does in the motion at hand.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Allowed {
-    /// By how much (m) distances change, besides what both turn together; and by how much the first of the two may
-    /// turn, or none if turns are not counted apart.
-    change: Real,
-    turn: Option<Real>,
+pub(super) struct PatchMotion {
+    /// Displacement of the centre (m), the rotation that is counted apart, and how far (m) a vertex goes besides both.
+    shift: Vec3,
+    turn: Mat3,
+    rest: Real,
+    /// How far (m) a vertex goes relative to the mean motion of the cloth.
+    pub(super) stray: Real,
+}
+
+/// The second of two patches in the frame of the first: centre (m), axes, and radius (m).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RelativePose {
+    centre: Vec3,
+    axes: Mat3,
+    radius: Real,
+}
+
+impl RelativePose {
+    /// By how much (m) distances between points of the two have changed, at most, from this one to another, besides
+    /// what their spreads have grown.
+    #[inline]
+    pub(super) fn change(&self, other: &Self) -> Real {
+        (other.centre - self.centre).norm() + tilt(&self.axes, &other.axes) * self.radius
+    }
+}
+
+impl PatchMotion {
+    pub(super) const NONE: Self = Self {
+        shift: Vec3::new(0.0, 0.0, 0.0),
+        turn: Frame::NOWHERE.axes,
+        rest: 0.0,
+        stray: 0.0,
+    };
+}
+
+impl Places {
+    /// Of `count` patches with `groups` groups of vertices, which are nowhere yet.
+    pub(super) fn new(count: usize, groups: usize) -> Self {
+        Self {
+            frames: vec![Frame::NOWHERE; count],
+            arms: vec![[[0.0; 4]; 3]; groups],
+            radii: vec![0.0; count],
+            spreads: vec![0.0; count],
+            mean: Vec3::zeros(),
+        }
+    }
+
+    /// Takes over everything of another, in the memory that is there.
+    pub(super) fn copy(&mut self, other: &Self) {
+        self.frames.clone_from(&other.frames);
+        self.arms.clone_from(&other.arms);
+        self.radii.clone_from(&other.radii);
+        self.spreads.clone_from(&other.spreads);
+        self.mean = other.mean;
+    }
+
+    /// From the centre of the second of two patches to that of the first (m).
+    #[inline]
+    fn apart(&self, [p, q]: [u32; 2]) -> Vec3 {
+        self.frames[p as usize].centre - self.frames[q as usize].centre
+    }
+
+    /// Sum of the spreads (m).
+    #[inline]
+    pub(super) fn spread(&self, [p, q]: [u32; 2]) -> Real {
+        self.spreads[p as usize] + self.spreads[q as usize]
+    }
+
+    #[inline]
+    pub(super) fn pose(&self, [p, q]: [u32; 2]) -> RelativePose {
+        let (one, other) = (&self.frames[p as usize], &self.frames[q as usize]);
+        RelativePose {
+            centre: one.axes.tr_mul(&(other.centre - one.centre)),
+            axes: one.axes.tr_mul(&other.axes),
+            radius: self.radii[q as usize],
+        }
+    }
 }
 
 impl Patches {
@@ -29,23 +115,14 @@ impl Patches {
 
     /// Finds the patches that do not rest at `x` (m).
     #[inline(always)]
-    fn find_centres(&self, motions: &mut Motions, x: &[Vec3]) {
+    fn find_centres(&self, places: &mut Places, x: &[Vec3]) {
         for &p in &self.moving {
             let (p, range) = (p as usize, self.range(p as usize));
-            let arms = &mut motions.arms[range.clone()];
-            motions.frames[p].place(&self.groups[range], x, arms);
+            let arms = &mut places.arms[range.clone()];
+            places.frames[p].place(&self.groups[range], x, arms);
         }
-        let centres = motions.frames[..self.cloth].iter().map(|f| f.centre);
-        motions.mean = centres.sum::<Vec3>() / self.cloth.max(1) as Real;
-    }
-
-    /// Finds how patches are turned that do not rest.
-    #[inline(always)]
-    fn find_axes(&self, motions: &mut Motions) {
-        for &p in &self.moving {
-            let (p, range) = (p as usize, self.range(p as usize));
-            motions.frames[p].turn(&self.groups[range.clone()], &motions.arms[range]);
-        }
+        let centres = places.frames[..self.cloth].iter().map(|f| f.centre);
+        places.mean = centres.sum::<Vec3>() / self.cloth.max(1) as Real;
     }
 
     /// Finds how patch `p` is turned at the start of the substep, and how far it has spread.
@@ -71,12 +148,6 @@ impl Patches {
         now.spreads[p] = self.reference_spreads[p] + root(spread);
     }
 
-    fn settle_all(&mut self) {
-        for k in 0..self.moving.len() {
-            self.settle(self.moving[k] as usize);
-        }
-    }
-
     /// Takes `x` (m) for the start of the substep, whatever was before.
     pub(super) fn place(&mut self, x: &[Vec3]) {
         let mut now = std::mem::take(&mut self.now);
@@ -86,73 +157,77 @@ impl Patches {
         );
         self.now = now;
         self.is_settled.fill(false);
-        self.settle_all();
+        for k in 0..self.moving.len() {
+            self.settle(self.moving[k] as usize);
+        }
     }
 
-    /// Looks at the motion from the start of the substep to `to` (m), and at how patches turn on the way if that is
+    /// Measures the motion from the start of the substep to `to` (m), with the turns of patches apart if that is
     /// wanted.
     pub(super) fn measure(&mut self, to: &[Vec3], turns: bool) {
+        self.turns = turns;
         let mut then = std::mem::take(&mut self.then);
         wide(
             #[inline(always)]
             || {
                 self.find_centres(&mut then, to);
                 self.compare(&mut then);
-                if turns {
-                    self.find_axes(&mut then);
-                    self.compare_turns(&mut then);
-                }
             },
         );
         self.then = then;
     }
 
-    /// Compares the start of the substep with its end.
     #[inline(always)]
-    fn compare(&mut self, then: &mut Motions) {
+    fn compare(&mut self, then: &mut Places) {
         let now = &self.now;
-        let shift = then.mean - now.mean;
-        then.still = now.still + shift.norm();
+        let mean = then.mean - now.mean;
         for &p in &self.moving {
             let (p, range) = (p as usize, self.range(p as usize));
-            let mut displacement = [0.0; 4];
-            for (was, is) in now.arms[range.clone()].iter().zip(&then.arms[range]) {
-                farthest(&mut displacement, is, was);
+            let arms = || {
+                now.arms[range.clone()]
+                    .iter()
+                    .zip(&then.arms[range.clone()])
+            };
+            let mut rest = [0.0; 4];
+            arms().for_each(|(was, is)| farthest(&mut rest, is, was));
+            let (shift, rest) = (then.frames[p].centre - now.frames[p].centre, root(rest));
+            let motion = &mut self.motions[p];
+            *motion = PatchMotion {
+                shift,
+                rest,
+                stray: (shift - mean).norm() + rest,
+                ..PatchMotion::NONE
+            };
+            if !self.turns {
+                continue;
             }
-            let displacement = root(displacement);
-            self.displacements[p] = displacement;
-            then.paths[p] = now.paths[p] + displacement;
-            let centre = then.frames[p].centre - now.frames[p].centre - shift;
-            self.strays[p] = centre.norm() + displacement;
-            then.clocks[p] = now.clocks[p] + self.strays[p];
-        }
-        for (stray, rests) in self.strays.iter_mut().zip(&self.rests).skip(self.cloth) {
-            if *rests {
-                *stray = shift.norm();
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn compare_turns(&mut self, then: &mut Motions) {
-        let now = &self.now;
-        for &p in &self.moving {
-            let (p, range) = (p as usize, self.range(p as usize));
+            then.frames[p].turn(&self.groups[range.clone()], &then.arms[range.clone()]);
             let turn = then.frames[p].axes * now.frames[p].axes.transpose();
             let (mut besides, mut radius) = ([0.0; 4], [0.0; 4]);
-            for (was, is) in now.arms[range.clone()].iter().zip(&then.arms[range]) {
+            for (was, is) in arms() {
                 farthest(&mut besides, is, &times(&turn, was));
                 farthest(&mut radius, is, &[[0.0; 4]; 3]);
             }
             then.radii[p] = root(radius);
-            self.besides[p] = root(besides);
-            self.turns[p] = turn;
-            self.tilts[p] = tilt(&turn, &Frame::NOWHERE.axes);
+            if tilt(&turn, &PatchMotion::NONE.turn) <= LARGEST_TURN {
+                (motion.turn, motion.rest) = (turn, root(besides));
+            }
+        }
+        for (motion, rests) in self.motions.iter_mut().zip(&self.rests).skip(self.cloth) {
+            if *rests {
+                motion.stray = mean.norm();
+            }
         }
     }
 
-    /// The substep ends where it was looked at last.
+    /// The substep ends where it was measured last.
     pub(in crate::potential) fn accept(&mut self) {
+        for k in 0..self.pairs.len() {
+            let change = self.change(k, 0.0);
+            self.pairs[k].travel += change;
+            self.left[k] -= change;
+        }
+        self.strayed += self.longest_stray();
         std::mem::swap(&mut self.now, &mut self.then);
         for &p in &self.moving {
             self.is_settled[p as usize] = false;
@@ -171,46 +246,30 @@ impl Patches {
         self.reference_spreads[p] = self.now.spreads[p];
     }
 
-    /// How far patches have gone since pairs of them were searched, at most, besides what all do together (m), at the
-    /// start of the substep.
-    pub(super) fn stray(&mut self) -> Real {
-        self.settle_all();
-        let (old, new) = (&self.searched, &self.now);
-        let shift = new.mean - old.mean;
-        let still = match self.moving.len() < self.members.len() {
-            true => shift.norm(),
-            false => 0.0,
-        };
-        let displacements = self.moving.iter().map(|&p| {
-            let p = p as usize;
-            let (a, b) = (&old.frames[p], &new.frames[p]);
-            let turned = tilt(&a.axes, &b.axes) * old.radii[p];
-            (b.centre - a.centre - shift).norm() + turned + new.spreads[p] - old.spreads[p]
-        });
-        displacements.fold(still, Real::max)
+    /// Whether the motion at hand, with all within `margin` (m) of its end, may go farther than pairs of patches were
+    /// searched for.
+    pub(super) fn goes_too_far(&self, margin: Real) -> bool {
+        self.strayed + self.longest_stray() + margin > self.reach
     }
 
-    /// Whether some may go farther in the motion that is looked at, with `room` (m) around every path, than pairs of
-    /// patches were searched for: by their clocks, or else by where they are.
-    pub(super) fn has_strayed(&mut self, room: Real) -> bool {
-        let (old, new) = (&self.searched, &self.then);
-        let advance = |&p: &u32| new.clocks[p as usize] - old.clocks[p as usize];
-        let most = self.moving.iter().map(advance).fold(0.0, Real::max);
-        let still = match self.moving.len() < self.members.len() {
-            true => new.still - old.still,
-            false => 0.0,
-        };
-        most.max(still) + room > self.reach
-            && self.stray() + self.longest_stray() + room > self.reach
+    /// The same where the motion begins at `x` (m), by how far each vertex is from where it was at that search.
+    pub(super) fn has_strayed(&mut self, near: &Near, x: &[Vec3], margin: Real) -> bool {
+        if !self.goes_too_far(margin) {
+            return false;
+        }
+        let shift = mean(near.own(x)) - mean(near.own(&self.searched));
+        self.strayed = bounds::farthest(&self.searched, x, shift);
+        self.goes_too_far(margin)
     }
 
-    /// How far (m) a patch goes in the motion that is looked at, at most, besides what all do together.
+    /// How far (m) a vertex goes in the motion at hand, at most, relative to the mean motion.
     pub(super) fn longest_stray(&self) -> Real {
-        self.strays.iter().copied().fold(0.0, Real::max)
+        let strays = self.motions.iter().map(|motion| motion.stray);
+        strays.fold(0.0, Real::max)
     }
 
     /// The bound on what two patches, of the pair `k`, have moved relative to each other (m) since their pairs of
-    /// primitives were found: their travel, if that tells that nothing new can touch where they move by `once` (m)
+    /// primitives were found: their travel, if that tells that no other pair can touch where they move by `once` (m)
     /// more.
     #[inline]
     pub(super) fn moved(&mut self, k: usize, once: Real) -> Real {
@@ -224,105 +283,39 @@ impl Patches {
         self.pairs[k].moved(&self.now)
     }
 
-    /// The sum of the clocks of two patches (m).
+    /// By how much (m) distances between the patches of pair `k` change in the motion at hand, at most. What is known
+    /// of each patch alone is enough if it is no more than `enough` (m).
     #[inline]
-    pub(super) fn clock(&self, motions: &Motions, patches: [u32; 2]) -> Real {
-        let clock = |p: u32| match self.rests[p as usize] {
-            true => motions.still,
-            false => motions.clocks[p as usize],
-        };
-        clock(patches[0]) + clock(patches[1])
-    }
-
-    /// The most that two patches move relative to each other in the substep (m).
-    #[inline]
-    pub(super) fn once(&self, patches: [u32; 2]) -> Real {
-        let [p, q] = patches.map(|p| p as usize);
-        let moved = |p: usize| self.then.frames[p].centre - self.now.frames[p].centre;
-        (moved(p) - moved(q)).norm() + self.displacements[p] + self.displacements[q]
-    }
-
-    /// By how much distances change in the motion that is looked at, at most (m), by what is known of each patch alone.
-    #[inline]
-    pub(super) fn roughly(&self, patches: [u32; 2]) -> Real {
-        self.strays[patches[0] as usize] + self.strays[patches[1] as usize]
-    }
-
-    /// What two patches do in the motion that is looked at, with `room` (m) around every path.
-    #[inline]
-    pub(super) fn allow(&self, patches: [u32; 2], room: Real) -> Allowed {
-        let turn = self.tilts[patches[0] as usize] + TURN;
-        let (change, turn) = match turn < LARGEST_TURN {
-            true => (self.change(patches), Some(turn)),
-            false => (self.once(patches), None),
-        };
-        Allowed {
-            change: change + 2.0 * room,
-            turn,
+    pub(super) fn change(&self, k: usize, enough: Real) -> Real {
+        let patches = self.ids[k];
+        let [one, other] = patches.map(|p| &self.motions[p as usize]);
+        let strays = one.stray + other.stray;
+        if strays <= enough {
+            return strays;
         }
-    }
-
-    /// Whether the motion that is looked at is within what was allowed.
-    #[inline]
-    pub(super) fn is_allowed(&self, patches: [u32; 2], allowed: &Allowed) -> bool {
-        if self.roughly(patches) <= allowed.change {
-            return true;
+        if !self.turns {
+            return (one.shift - other.shift).norm() + one.rest + other.rest;
         }
-        match allowed.turn {
-            Some(turn) => {
-                self.tilts[patches[0] as usize] <= turn && self.change(patches) <= allowed.change
-            }
-            None => self.once(patches) <= allowed.change,
-        }
-    }
-
-    /// By how much the distance of two points changes from the start to the end of the motion, at most (m): the same
-    /// as [`Pose::change`](super::motions::Pose::change), with all turned back as the first patch is.
-    #[inline]
-    pub(super) fn change(&self, patches: [u32; 2]) -> Real {
-        let [p, q] = patches.map(|p| p as usize);
-        let [before, after] = [&self.now, &self.then]
-            .map(|motions| motions.frames[p].centre - motions.frames[q].centre);
-        let turned = tilt(&self.turns[p], &self.turns[q]) * self.now.radii[q];
-        (after - self.turns[p] * before).norm() + turned + self.besides[p] + self.besides[q]
+        let turned = tilt(&one.turn, &other.turn) * self.now.radii[patches[1] as usize];
+        let shift = self.then.apart(patches) - one.turn * self.now.apart(patches);
+        strays.min(shift.norm() + turned + one.rest + other.rest)
     }
 }
 
-impl Allowed {
-    /// As much as makes points nearer by `left` (m), where they must not come as near as `range` (m), if the first
-    /// patch may turn by so much.
-    pub(super) fn all(turn: Option<Real>, left: Real, range: Real) -> Self {
-        let change = match turn {
-            Some(turn) => (range + left) * (1.0 - 0.5 * turn * turn) - range,
-            None => left,
-        };
-        Self { change, turn }
-    }
+/// By how much (m) distances may change at both ends of a path on which points come nearer by `nearer` (m), where they
+/// must not come as near as `range` (m).
+///
+/// Seen from the first patch, a vector d between them is d + e at an end, ‖e‖ no more than the change. A straight path
+/// between two places, to which the patch has turned by R₁ and R₂, has it at `((1 − t) R₁ + t R₂) d` and no more than
+/// the change besides. A mean of two rotations by an angle θ to each other shortens a vector to cos(θ/2), at most, and
+/// θ is no more than the angles of both, whose sines of half are at most `LARGEST_TURN`/2: cos(θ/2) ≥ `CHORD`.
+pub(super) fn change_for(nearer: Real, range: Real) -> Real {
+    (range + nearer) * CHORD - range
+}
 
-    /// The same with all that makes points nearer by `left` (m).
-    pub(super) fn extended(&self, left: Real, range: Real) -> Self {
-        Self::all(self.turn, left, range)
-    }
-
-    /// Whether a motion that changes distances by no more than this (m), `room` (m) around it and no turn, is within.
-    pub(super) fn holds(&self, change: Real, room: Real) -> bool {
-        change + 2.0 * room <= self.change
-    }
-
-    /// By how much nearer (m) than at the start two points can come, of which it matters whether they come as near as
-    /// `range` (m).
-    ///
-    /// Seen from the first patch, a vector d between them is d + e at an end, ‖e‖ ≤ `change`. A straight path between
-    /// two places, to which the patch has turned by R₁ and R₂, has it at `((1 − t) R₁ + t R₂) d` and no more than
-    /// `change` besides. A mean of two rotations by an angle θ to each other shortens a vector to cos(θ/2), at most,
-    /// and θ is no more than the angles of both, whose sines of half are `turn`/2: cos(θ/2) ≥ 1 − `turn`²/2.
-    #[inline]
-    pub(super) fn nearer(&self, range: Real) -> Real {
-        match self.turn {
-            Some(turn) => (range + self.change) / (1.0 - 0.5 * turn * turn) - range,
-            None => self.change,
-        }
-    }
+/// The other way round: by how much nearer (m) than at the start points can come.
+pub(super) fn nearer_by(change: Real, range: Real) -> Real {
+    (range + change) / CHORD - range
 }
 
 #[cfg(test)]

@@ -3,22 +3,22 @@
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::parallel::wide;
 
-/// Vertices that say what all do together.
+/// Vertices whose mean displacement is taken for that of all.
 const SAMPLES: usize = 16;
 
 /// Where the cloth was when it was known that nothing is near, and how far it may go.
 #[derive(Debug, Default)]
-pub(super) struct Quiet {
+pub(super) struct CulledSubsteps {
     /// Positions (m); none while something may be near.
     place: Vec<Vec3>,
-    /// How far (m) a vertex may go besides what all do together, and how far at all.
+    /// How far (m) a vertex may go relative to the mean motion, and how far at all.
     relative: Real,
     whole: Real,
     /// Whether the present substep began with nothing near.
     pub(super) is_on: bool,
 }
 
-impl Quiet {
+impl CulledSubsteps {
     /// Nothing is near the cloth at `x` (m) as long as no vertex goes further than that (m).
     pub(super) fn begin(&mut self, x: &[Vec3], relative: Real, whole: Real) {
         x.clone_into(&mut self.place);
@@ -55,7 +55,7 @@ fn all_within(x: &[Vec3], place: &[Vec3], shift: Vec3, most: Real) -> bool {
     const LANES: usize = 4;
     let far = |(x, place): (&Vec3, &Vec3)| {
         let displacement = x - place - shift;
-        // Not the other comparison: a number that is none is not within.
+        // Not the other comparison: NaN compares false, and is not within.
         let within = (displacement.x.abs() <= most)
             & (displacement.y.abs() <= most)
             & (displacement.z.abs() <= most);

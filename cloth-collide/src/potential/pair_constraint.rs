@@ -1,9 +1,9 @@
 //! One unilateral constraint between two pieces: what it is made from, and how positions are projected onto it.
 
+use super::constraints::{KEPT, LEAST, SLACK};
 use super::near::Near;
 use super::patches::NearPair;
-use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, UnilateralConstraint};
+use super::tangent::{ConstraintState, Tangent};
 use crate::ccd::Query;
 use crate::obstacle::Distance;
 use crate::pair::{Gap, Pair, ends, weighted};
@@ -15,20 +15,20 @@ const PERSISTENT: Real = 0.02;
 
 /// A pair that the motion of a substep may bring into contact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct PairConstraint {
     pub(super) pair: Pair,
     pub(super) role: Role,
     pub(super) is_violated: bool,
-    /// From the second nearest point to the first, where they were last found; of a [`Role::Parted`] pair, across a
+    /// From the second nearest point to the first, where they were last found; of a [`Role::Separated`] pair, across a
     /// plane that has the two apart.
     pub(super) normal: Vec3,
     pub(super) weights: [Real; 4],
     /// At the start of the substep (m).
     pub(super) distance: Real,
     /// Of the point Σ wᵢ xᵢ (m).
-    pub(super) state: UnilateralConstraint,
+    pub(super) state: ConstraintState,
     /// Σ wᵢ²/mᵢ (1/kg).
-    pub(super) ease: Real,
+    pub(super) inverse_effective_mass: Real,
     /// Distance (m) at which the law begins, and the area (m²) that the pair stands for: at rest, and where its nearest
     /// points were found.
     thickness: Real,
@@ -42,46 +42,46 @@ pub(super) struct Row {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// A plane keeps the two apart in the predicted motion.
-    Parted,
+    Separated,
     /// It is only tested.
     Tested,
     /// It pushes.
     Pushes,
 }
 
-impl Row {
-    /// Adds that of a pair in a substep in which it would go to `to` (m); `last` is its row of the substep before, if
-    /// it had one, `travel` (m) how far the patches have travelled, and `reach` (m) how far friction stretches. Returns
-    /// how far (m) the two are apart, at least.
+impl PairConstraint {
+    /// Adds that of a pair in a substep in which it would go to `to` (m); `last` is its constraint of the substep
+    /// before, if it had one, `travel` (m) how far the patches have travelled, and `reach` (m) the largest tangential
+    /// displacement of what sticks. Returns how far (m) the two are apart, at least.
     #[inline]
     pub(super) fn add(
-        rows: &mut Vec<Self>,
+        constraints: &mut Vec<Self>,
         found: &mut NearPair,
-        last: Option<&Row>,
+        last: Option<&PairConstraint>,
         near: &Near,
         step: &ContactStep<'_>,
         (to, travel, reach): (&[Vec3], Real, Real),
     ) -> Real {
-        let index = rows.len();
-        rows.push(Self {
+        let index = constraints.len();
+        constraints.push(Self {
             pair: found.pair,
-            role: Role::Parted,
+            role: Role::Separated,
             is_violated: false,
             normal: last.map_or(Vec3::zeros(), |last| last.normal),
             weights: [0.0; 4],
             distance: 0.0,
-            state: UnilateralConstraint::default(),
-            ease: 0.0,
+            state: ConstraintState::default(),
+            inverse_effective_mass: 0.0,
             thickness: found.range,
             area_at_rest: found.area,
             area: 0.0,
             approach: 0.0,
         });
-        let row = &mut rows[index];
-        let parted = found.range + SLACK * near.law.range();
+        let contact = &mut constraints[index];
+        let apart = found.range + SLACK * near.law.range();
         if last.is_some() {
-            let now = row.pair.gap_along(&row.normal, step.from);
-            if now > parted && row.pair.gap_along(&row.normal, to) > parted {
+            let now = contact.pair.gap_along(&contact.normal, step.from);
+            if now > apart && contact.pair.gap_along(&contact.normal, to) > apart {
                 found.known_at = Real::NEG_INFINITY;
                 return now;
             }
@@ -89,17 +89,17 @@ impl Row {
         let known = last.filter(|last| {
             last.role == Role::Pushes && travel - found.known_at <= PERSISTENT * near.law.range()
         });
-        row.prepare(near, step, to, known);
+        contact.prepare(near, step, to, known);
         if known.is_none() {
-            found.known_at = match row.role {
+            found.known_at = match contact.role {
                 Role::Pushes => travel,
                 _ => Real::NEG_INFINITY,
             };
         }
-        if let (Role::Pushes, Some(last)) = (row.role, last) {
-            row.state.origin -= last.stretch(step.from, reach);
+        if let (Role::Pushes, Some(last)) = (contact.role, last) {
+            contact.state.origin -= last.tangential(step.from, reach);
         }
-        row.distance
+        contact.distance
     }
 
     /// Finds the nearest points at the start of the substep, or takes those that are `known`, and what becomes of the
@@ -109,7 +109,7 @@ impl Row {
         near: &Near,
         step: &ContactStep<'_>,
         to: &[Vec3],
-        known: Option<&Row>,
+        known: Option<&PairConstraint>,
     ) {
         let vertices = self.pair.vertices;
         let x = gather(step.from, vertices);
@@ -127,7 +127,7 @@ impl Row {
         self.approach = self.distance - self.normal.dot(&self.point(to));
         let w = vertices.map(|v| step.inverse_mass[v as usize]);
         let squares = self.weights.iter().zip(w);
-        self.ease = squares.map(|(weight, w)| weight * weight * w).sum();
+        self.inverse_effective_mass = squares.map(|(weight, w)| weight * weight * w).sum();
         let reach = self.thickness + SLACK * near.law.range();
         let comes = self.distance - self.approach.max(0.0) < reach;
         let is_at_boundary = self.weights.contains(&0.0);
@@ -136,7 +136,7 @@ impl Row {
         self.state.origin = self.point(step.from);
         self.state.coefficient = near.friction(vertices);
         self.state.range = self.thickness;
-        if comes && faces && self.ease > 0.0 {
+        if comes && faces && self.inverse_effective_mass > 0.0 {
             if known.is_none() {
                 self.area = near.area_of(self.pair, self.area_at_rest, &x);
             }
@@ -159,16 +159,16 @@ impl Row {
         weighted(self.pair.vertices, self.weights, x)
     }
 
-    /// By how much friction is stretched (m) at `x` (m); see [`UnilateralConstraint::stretch`].
-    fn stretch(&self, x: &[Vec3], reach: Real) -> Vec3 {
-        self.state.stretch(self.point(x), self.normal, reach)
+    /// See [`ConstraintState::tangential`]; at `x` (m).
+    fn tangential(&self, x: &[Vec3], reach: Real) -> Vec3 {
+        self.state.tangential(self.point(x), self.normal, reach)
     }
 
     #[inline]
     pub(super) fn project(&mut self, w: &[Real], x: &mut [Vec3]) {
         let point = self.point(x);
         let at = Distance::exact(self.normal.dot(&point), self.normal);
-        if let Some(push) = self.state.project(&at, point, self.ease) {
+        if let Some(push) = self.state.project(&at, point, self.inverse_effective_mass) {
             for (v, weight) in ends(self.pair.vertices, self.weights) {
                 x[v] += push * (weight * w[v]);
             }
@@ -177,7 +177,7 @@ impl Row {
 
     /// Gives in no more: for a pair that has come too near on the way to `x` (m).
     pub(super) fn harden(&mut self, x: &[Vec3]) {
-        if self.ease > 0.0 {
+        if self.inverse_effective_mass > 0.0 {
             self.role = Role::Pushes;
         }
         let now = self.normal.dot(&self.point(x));
@@ -186,10 +186,10 @@ impl Row {
     }
 
     /// Notes whether the pair keeps its distance on the path to `to` (m). One that its plane does not keep apart there
-    /// is no [`Role::Parted`] any more.
+    /// is no [`Role::Separated`] any more.
     pub(super) fn test(&mut self, near: &Near, step: &ContactStep<'_>, to: &[Vec3]) {
         self.is_violated = false;
-        if self.role == Role::Parted {
+        if self.role == Role::Separated {
             if self.pair.gap_along(&self.normal, to) > KEPT * self.thickness {
                 return;
             }

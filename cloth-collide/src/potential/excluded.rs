@@ -1,16 +1,16 @@
-//! Pairs that are let go: they pass through each other already, and are pulled apart by something else; or they may
-//! pass through each other for good.
+//! Excluded pairs: they pass through each other already, and are pulled apart by something else; or they may pass
+//! through each other for good.
 
 /// Regions of the cloth, and which of them may pass through each other.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LetGo {
+pub(crate) struct Excluded {
     /// The region of each vertex of the cloth, from 1; 0 for none. Empty if there are none at all.
     region: Vec<u32>,
     /// In rising order, the smaller number first.
     pairs: Vec<[u32; 2]>,
 }
 
-impl LetGo {
+impl Excluded {
     /// Of these regions, one number per vertex, and pairs of them.
     pub(crate) fn new(region: Vec<u32>, mut pairs: Vec<[u32; 2]>) -> Self {
         pairs.iter_mut().for_each(|pair| pair.sort_unstable());
@@ -32,7 +32,7 @@ impl LetGo {
         !is_same
     }
 
-    /// Whether a pair is let go whose first vertex is in one of its pieces, and whose last is in the other. The
+    /// Whether a pair is excluded whose first vertex is in one of its pieces, and whose last is in the other. The
     /// vertices of bodies are in no region.
     pub(crate) fn has(&self, vertices: &[u32]) -> bool {
         if self.pairs.is_empty() {
