@@ -58,6 +58,7 @@ mod soft_pins;
 mod start_warnings;
 mod starts;
 mod stops;
+mod stretch;
 mod studies;
 mod tangled;
 mod tears;
