@@ -347,7 +347,7 @@ fn what_is_wrong_with_a_seam_is_said_with_line_and_key() {
             "beyond",
             "meshes = [0, 1]\nfirst = [0, 1]\nsecond = [2, 9]\n",
             9,
-            "mesh 1 has no vertex 9, only 9",
+            "mesh 1 has no vertex 9, only 0 to 8",
         ),
         (
             "none",
