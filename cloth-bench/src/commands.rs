@@ -110,11 +110,13 @@ fn print_pairs(json: bool, pairs: &[(&str, Value)]) -> Result<(), BenchError> {
         let object: Map<String, Value> = pairs.iter().map(pair).collect();
         return print(&Value::Object(object).to_string());
     }
-    let width = pairs.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    // The program says it on the other stream.
+    let pairs = pairs.iter().filter(|(name, _)| *name != "error");
+    let width = pairs.clone().map(|(name, _)| name.len()).max().unwrap_or(0);
     let line = |(name, value): &(&str, Value)| match value {
         Value::String(text) => format!("{name:width$}  {text}"),
         Value::Null => format!("{name:width$}  -"),
         value => format!("{name:width$}  {value}"),
     };
-    print(&pairs.iter().map(line).collect::<Vec<_>>().join("\n"))
+    print(&pairs.map(line).collect::<Vec<_>>().join("\n"))
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 pub const GENERATORS: [(&str, &str); 12] = [
     (
         "grid:NxM:PATTERN",
-        "N × M vertices, 1 m wide; PATTERN is one-way, alternating or crossed",
+        "N × M vertices, 1 m wide and (M − 1)/(N − 1) m high; PATTERN is one-way, alternating or crossed",
     ),
     (
         "equilateral:NxM",

@@ -6,6 +6,7 @@ mod load;
 mod parts;
 mod solver;
 mod start;
+mod stretch;
 mod summary;
 mod timed;
 mod untangling;
@@ -33,6 +34,7 @@ use energy::{BodyEnergy, EnergyBalance};
 use load::{Push, load, push_of};
 use std::borrow::Cow;
 use std::time::Instant;
+use stretch::StretchWatch;
 use timed::Timed;
 use untangling::Untangling;
 use watch::{body_probe, crossed_bodies, min_clearance};
@@ -349,6 +351,7 @@ fn take_steps(
     let mut contact_seconds = Vec::with_capacity(steps as usize);
     let mut iterations = Vec::with_capacity(steps as usize);
     let mut counted = Summary::default();
+    let mut stretch = StretchWatch::default();
     for step in 1..=steps {
         course.change(solver, state, dt, &mut balance)?;
         let report = course.step(solver.stepper(), state, dt, Some(&mut balance))?;
@@ -356,6 +359,7 @@ fn take_steps(
         contact_seconds.extend(course.contacts.is_some().then_some(course.contact_seconds));
         iterations.push(report.iterations);
         counted.count(&report);
+        stretch.look((&course.scene, course.changes), state, step)?;
         let [held, given] = balance.now();
         after(&Moment {
             step,
@@ -387,6 +391,7 @@ fn take_steps(
         .and_then(|c| scene.held_inside(&c.held_inside));
     let mut summary = Summary {
         steps,
+        ms_per_step_max: 1e3 * largest(seconds.iter().copied()),
         ms_per_step_median: 1e3 * median(&mut seconds),
         contact_ms_median: 1e3 * median(&mut contact_seconds),
         held_steps: course.contacts.as_ref().map_or(0, |c| c.held_steps),
@@ -397,6 +402,8 @@ fn take_steps(
         iterations_per_step: median_count(&mut iterations),
         rebuilds: course.rebuilds,
         max_stretch: strain.max,
+        max_stretch_of_all: stretch.strain(),
+        stretched: stretch.warning(&scene),
         rms_strain: strain.rms,
         kinetic_energy: measure::kinetic_energy(particles, &state.velocities),
         elastic_energy,

@@ -73,6 +73,8 @@ pub struct Scene {
     pub added_masses: Vec<(Vec<usize>, Real)>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
     pub order: Option<cloth_core::method::ordering::Order>,
+    /// What is seldom meant of what it was built from, a sentence each.
+    pub hints: Vec<String>,
     /// What its file says of methods, by the names of these.
     pub methods: Vec<(&'static str, Settings)>,
 }
@@ -102,6 +104,7 @@ impl Scene {
             air: None,
             added_masses: Vec::new(),
             order: None,
+            hints: Vec::new(),
             methods: Vec::new(),
         }
     }

@@ -181,10 +181,11 @@ impl Explicit {
             let begun = contacts.begin_step(&taken);
             begun.map_err(|reason| StepError::Contact { reason, step })?;
         }
+        let mut is_anew = false;
         if let Some(monitor) = &mut self.monitor {
             let contacts = input.contacts.as_ref();
             let stored = contacts.map_or(0.0, |contacts| contacts.potential_energy());
-            monitor.begin(&self.model, &self.positions, &self.velocities, stored);
+            is_anew = monitor.begin(&self.model, &self.positions, &self.velocities, stored);
         }
         let substeps = self.model.config.substeps;
         let mut pin_work = 0.0;
@@ -195,6 +196,12 @@ impl Explicit {
             match self.substep(&mut input, work) {
                 Ok(balance) => pin_work += balance.pin_work,
                 Err(failure) => return Err(self.report(failure, &input, step)),
+            }
+            if let (true, Some(monitor)) = (is_anew && substep == 1, &mut self.monitor)
+                && let Some(contacts) = input.contact_constraints()
+            {
+                // Constraints that have pushed know what they hold where the cloth was.
+                monitor.add_stored(-contacts.given(&state.positions));
             }
             if let Some(observer) = input.observer.as_deref_mut() {
                 observer.iteration(substep, &self.positions);

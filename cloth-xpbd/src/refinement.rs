@@ -21,11 +21,13 @@
 //! The scale is, with W the work of the formula above,
 //!
 //! ```text
-//! max over all steps so far, with the present one, of max(K + E before, K + E before + W)
+//! max over all steps so far, with the present one, of max(H, H + W)
 //! ```
 //!
-//! K + E alone would be zero for cloth that starts from rest, and any gain too much; with W the scale has what the
-//! cloth is given as soon as it falls.
+//! where H is K + E as the step before has left it. H alone would be zero for cloth that starts from rest, and any gain
+//! too much; with W the scale has what the cloth is given as soon as it falls. `E before` in the balance is that of the
+//! elements as they are at the end of the step, so that what closes a seam is work from outside. In the scale it would be
+//! far too much: a stiff seam that closes by a jump stores for an instant what no step hands on.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::rounding_energy;
@@ -47,6 +49,8 @@ const LONGEST: u32 = 16;
 pub(crate) struct Refinement {
     /// τ (dimensionless).
     tolerance: Real,
+    /// K + E (J) as the last step has left it, or where the first one begins.
+    pub(crate) held: Option<Real>,
     /// The scale of energy (J): the largest so far.
     in_play: Real,
     /// What the last steps have gained (J), less what was lost after it.
@@ -65,6 +69,7 @@ impl Refinement {
     pub(crate) fn new(tolerance: Real) -> Self {
         Self {
             tolerance,
+            held: None,
             in_play: 0.0,
             gained: 0.0,
             coarser: Real::INFINITY,
@@ -83,7 +88,8 @@ impl Refinement {
     /// Whether a step from `before` to `after` (J), in which the cloth was given `given` (J), is to be taken again.
     pub(crate) fn refines(&mut self, [before, after]: [Real; 2], given: Real) -> bool {
         let gain = after - before - given;
-        self.in_play = self.in_play.max(before).max(before + given);
+        let held = self.held.unwrap_or(before);
+        self.in_play = self.in_play.max(held).max(held + given);
         let most = self.tolerance * self.in_play;
         let gained = self.gained + gain;
         let helps = gain > 0.0 && gain < HELPS * self.coarser;
@@ -97,6 +103,7 @@ impl Refinement {
             (self.coarser, self.is_lowered) = (gain, false);
             return true;
         }
+        self.held = Some(after);
         (self.coarser, self.gained) = (Real::INFINITY, gained.max(0.0));
         if self.is_lowered {
             self.patience = 1;

@@ -139,11 +139,18 @@ impl XpbdSolver {
 
     /// `K + E` (J) before a step of `dt` (s), E with the elements as they are at its end; 0 if no step is refined.
     fn energy_before(&mut self, state: &State, dt: Real) -> Real {
-        if self.refinement.is_none() {
+        let Some(refinement) = &self.refinement else {
             return 0.0;
+        };
+        let is_first = refinement.held.is_none();
+        let kinetic = kinetic(self.motion.inverse_mass(), &state.velocities);
+        if is_first {
+            self.families.set_time(state.time);
+            let held = Some(self.elastic(&state.positions) + kinetic);
+            self.refinement.iter_mut().for_each(|own| own.held = held);
         }
         self.families.set_time(state.time + dt);
-        self.elastic(&state.positions) + kinetic(self.motion.inverse_mass(), &state.velocities)
+        self.elastic(&state.positions) + kinetic
     }
 
     /// Whether the step that was tried is to be taken again.

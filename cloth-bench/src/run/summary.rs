@@ -15,6 +15,8 @@ pub struct Summary {
     pub steps: u32,
     /// Median time of a step (ms).
     pub ms_per_step_median: Real,
+    /// Longest time of a step (ms).
+    pub ms_per_step_max: Real,
     /// Median time of contact in it (ms); 0 where there is nothing to touch.
     pub contact_ms_median: Real,
     /// Parts of steps that ended with vertices held back, see
@@ -50,6 +52,10 @@ pub struct Summary {
     pub converged_steps: u32,
     /// Largest strain of a spring at the end (dimensionless).
     pub max_stretch: Real,
+    /// Largest strain of a spring after any step (dimensionless).
+    pub max_stretch_of_all: Real,
+    /// A sentence about it, where it is larger than cloth can be stretched.
+    pub stretched: Option<String>,
     /// Root mean square of the strains at the end (dimensionless).
     pub rms_strain: Real,
     /// Kinetic energy at the end (J).

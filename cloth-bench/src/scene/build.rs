@@ -9,7 +9,7 @@ use crate::error::BenchError;
 use crate::mesh_spec;
 use crate::names;
 use crate::settings::{Settings, Table};
-use cloth_core::cloth::ClothModel;
+use cloth_core::cloth::{ClothModel, Piece};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -115,6 +115,11 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         None => mesh,
     };
     let mut model = cloth::cut(settings, &mesh)?;
+    let piece = Piece {
+        cloth: cloth::described(settings)?,
+        discretization: cloth::discretization(settings)?,
+        triangles: (0..mesh.triangles().len() as u32).collect(),
+    };
     hold(&held, &mut model)?;
     let below = match name {
         "drape-sphere" => Some(Below::Sphere),
@@ -130,6 +135,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
     let touch = ContactSetup::new(settings, &mesh, obstacles)?;
     Ok(Scene {
         order,
+        hints: cloth::hints(&piece, &mesh),
         touch: Some(touch),
         steps: if name.starts_with("drape") {
             120

@@ -3,8 +3,8 @@
 use crate::error::BenchError;
 use crate::settings::{Infinite, Or, Range::*, Settings, Table};
 use cloth_core::cloth::{
-    BendingElements, Cloth, ClothModel, CoarseMembrane, Discretization, Membrane, MembraneElements,
-    SpringEdges, SpringLaw,
+    BendingElements, Cloth, ClothModel, CoarseMembrane, DirectionalModulus, Discretization,
+    Membrane, MembraneElements, Piece, SpringEdges, SpringLaw,
 };
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
@@ -18,7 +18,9 @@ crate::settings! {
     /// Of cloth.
     pub(crate) struct Material {
         density: Real = 0.2 "kg/m²", "areal density";
-        modulus: Option<Real> = "none" "N/m", "membrane modulus Y in the place of the stiffness of springs, or none";
+        modulus: Option<Real> = "none" "N/m",
+            "membrane modulus Y in the place of the stiffness of springs, or none; springs have it in the mean over all \
+             directions, and triangles on every mesh";
         membrane: MembraneName = "springs",
             "elements that resist stretching: springs, stvk or arap; triangles get the modulus that springs of the \
              given stiffness have";
@@ -83,6 +85,42 @@ pub(super) fn cut(settings: &Settings, mesh: &TriMesh) -> Result<ClothModel, Ben
 /// Whether the springs on edges are hard constraints.
 pub(super) fn is_hard(settings: &Settings) -> Result<bool, BenchError> {
     Ok(*Stiffness::read(settings)?.stiffness == Or::Word(Infinite::Infinite))
+}
+
+/// What is seldom meant of a piece of a mesh, a sentence each.
+pub(super) fn hints(piece: &Piece, mesh: &TriMesh) -> Vec<String> {
+    /// Denser or stiffer is no cloth (kg/m², N/m).
+    const MOST: [Real; 2] = [20.0, 1e7];
+    /// So far off is a modulus worth a word.
+    const OFF: Real = 1.25;
+    let (density, membrane) = (piece.cloth.areal_density, piece.cloth.membrane);
+    let (name, stiffness) = match membrane {
+        Membrane::SpringStiffness(k) => ("stiffness", k),
+        Membrane::Modulus(y) => ("modulus", y),
+    };
+    let heavy = (density > MOST[0]).then(|| {
+        format!("density = {density} kg/m² is that of no cloth, which has 0.05 to 1: 1000 g/m² are 1 kg/m²")
+    });
+    let stiff = (stiffness > MOST[1]).then(|| {
+        format!(
+            "{name} = {stiffness:e} N/m is that of no cloth, which has 1e3 to 1e5: it is Young's modulus (Pa) times the \
+             thickness (m)"
+        )
+    });
+    let moduli = piece.directional_moduli(mesh).ok().flatten();
+    let moduli = moduli.filter(|[soft, stiff]| soft.ratio * OFF < 1.0 || stiff.ratio > OFF);
+    let uneven = moduli.map(|extremes| {
+        let [soft, stiff] = extremes.map(|DirectionalModulus { direction, ratio }| {
+            // Without the sign of a zero.
+            let [x, y, z] = [0, 1, 2].map(|axis| (100.0 * direction[axis]).round() / 100.0 + 0.0);
+            format!("{ratio:.2} times the modulus along the edge ({x}, {y}, {z})")
+        });
+        format!(
+            "springs on a mesh whose triangles are longer one way than another do not have the modulus that is asked for: \
+             they have {soft} and {stiff}; membrane=arap and membrane=stvk have it on every mesh"
+        )
+    });
+    [heavy, stiff, uneven].into_iter().flatten().collect()
 }
 
 /// Makes hard constraints of the springs that begin at vertices which are wanted.

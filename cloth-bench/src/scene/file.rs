@@ -11,6 +11,7 @@ mod document;
 mod event;
 mod force;
 mod gas;
+mod hints;
 mod keys;
 mod link;
 mod mass;

@@ -81,13 +81,14 @@ impl Scene {
         if self.model.particles.free_count() == 0 && self.changes.is_empty() {
             warnings.push("all vertices are held, for ever: nothing can move by itself".into());
         }
+        warnings.extend_from_slice(&self.hints);
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
         warnings.extend(touch.flat_map(ContactSetup::overlap_warnings));
         warnings
     }
 
     /// The number of a vertex in the caller's mesh.
-    fn named(&self, vertex: u32) -> u32 {
+    pub(crate) fn named(&self, vertex: u32) -> u32 {
         let order = self.order.as_ref();
         order.map_or(vertex, |order| order.old_of_new()[vertex as usize])
     }

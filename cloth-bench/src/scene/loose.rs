@@ -46,11 +46,11 @@ impl Scene {
                 "fans of triangles touch without a common edge at {} of the vertices, such as {}: nothing resists bending \
                  between them",
                 touching.len(),
-                self.name_of(vertex)
+                self.named(vertex)
             )
         });
         let turned_at = turned.first().map(|&edge| {
-            let mut ends = edges.ends()[edge as usize].map(|v| self.name_of(v));
+            let mut ends = edges.ends()[edge as usize].map(|v| self.named(v));
             ends.sort_unstable();
             let [a, b] = ends;
             format!(
@@ -60,12 +60,6 @@ impl Scene {
             )
         });
         touching_at.into_iter().chain(turned_at).collect()
-    }
-
-    /// The number that a vertex has in the user's mesh.
-    fn name_of(&self, vertex: u32) -> u32 {
-        let order = self.order.as_ref();
-        order.map_or(vertex, |order| order.old_of_new()[vertex as usize])
     }
 
     /// A sentence about border vertices in the same place that nothing joins, if there are any: the cloth falls apart
@@ -99,12 +93,13 @@ impl Scene {
             .filter(|[root, v]| root != v)
             .map(|pair| pair.map(|v| border[v as usize]))
             .collect();
-        let [a, b] = doubles.first()?.map(|v| self.name_of(v));
+        let [a, b] = doubles.first()?.map(|v| self.named(v));
         let pieces = components(mesh.vertex_count(), &edges);
         let pieces = pieces.iter().max().map_or(0, |last| last + 1);
         Some(format!(
             "{} border vertices lie on others without being one with them, such as {} on {}: there the cloth, of \
-             {pieces} pieces, falls apart; weld = 0 in its [[mesh]] makes them one",
+             {pieces} pieces, falls apart; weld = 0 makes those of one [[mesh]] one, and two [[mesh]] need a [[seam]], or a \
+             distance from each other",
             doubles.len(),
             a.max(b),
             a.min(b)

@@ -244,7 +244,7 @@ fn a_balloon_grows_as_far_as_its_membrane_lets_it() {
 fn gas_needs_an_inside() {
     let message = refused("open", &format!("{STRIP}pressure = 10\n"));
     assert!(
-        message.contains("line 5") && message.contains("border"),
+        message.contains("line 5") && message.contains("boundary"),
         "{message}"
     );
 }

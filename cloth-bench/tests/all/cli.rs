@@ -185,6 +185,7 @@ fn a_run_tells_in_json_what_it_did() {
             "vertices",
             "steps",
             "ms_per_step_median",
+            "ms_per_step_max",
             "iterations",
             "max_stretch",
             "kinetic_energy",

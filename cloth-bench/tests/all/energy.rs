@@ -262,7 +262,7 @@ fn stretch_that_is_left_is_a_warning_and_a_number() {
 #[test]
 fn steps_that_end_at_their_most_iterations_are_a_warning_and_a_number() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/funnel.toml");
-    let few = "--set most_iterations=40 --set velocity_tolerance=0.001";
+    let few = "--set most_iterations=20 --set velocity_tolerance=0.0001";
     let (code, object, said) = run(&format!("{scene} --method pd --steps 12 {few}"));
     assert_eq!(code, 0, "{said}");
     // The first two touch nothing, and their pins move all the same.

@@ -59,6 +59,7 @@ mod solids;
 mod start_warnings;
 mod starts;
 mod stops;
+mod stretch;
 mod studies;
 mod tangled;
 mod tears;

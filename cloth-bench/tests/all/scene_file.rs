@@ -334,7 +334,7 @@ fn every_mistake_names_its_line_and_key() {
         ("+[[pins]]\n", "line 3: [[pins]]: needs one of the keys"),
         (
             "+[[pins]]\nvertices = [25]\n",
-            "line 4: there is no vertex 25, only 25, counted from 0",
+            "line 4: there is no vertex 25, only 0 to 24",
         ),
         ("+[[pins]]\nvertices = [-1]\n", "line 4: vertices is `[-1]`"),
         (

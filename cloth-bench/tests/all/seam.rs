@@ -1,8 +1,9 @@
 //! Seams: two borders are drawn together and stay so, by every method, and nothing is crossed or pushed for it.
 
+use crate::scene_text::scene;
 use cloth_bench::error::BenchError;
 use cloth_bench::method::Method;
-use cloth_bench::run::{Plan, Solver, Summary, run_changing, to_rest};
+use cloth_bench::run::{Plan, Solver, Summary, run_changing, simulate, to_rest};
 use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_collide::SeparationProbe;
@@ -279,7 +280,8 @@ fn a_tear_and_a_hand_leave_seams_as_they_are() {
         let (summary, state) = run(&scene, name, &converged(name), 60, |scene, _| {
             assert_eq!(scene.sewn().len(), 5, "{name}");
         });
-        assert!(summary.rebuilds > 0, "{name}");
+        // Projective dynamics corrects its factor instead.
+        assert_eq!(summary.rebuilds > 0, name != "pd", "{name}");
         let left = gaps(&scene.sewn(), &state.positions);
         assert!(left.iter().all(|gap| gap.norm() < 1e-3), "{name}: {left:?}");
     }
@@ -346,7 +348,7 @@ fn what_is_wrong_with_a_seam_is_said_with_line_and_key() {
             "beyond",
             "meshes = [0, 1]\nfirst = [0, 1]\nsecond = [2, 9]\n",
             9,
-            "mesh 1 has no vertex 9, only 9",
+            "mesh 1 has no vertex 9, only 0 to 8",
         ),
         (
             "none",
@@ -447,4 +449,29 @@ fn single_precision_refuses_seams_by_name() {
         .build(&scene, &settings, scene.dt);
     let told = refused.map(drop).unwrap_err().to_string();
     assert!(told.contains("stitches"), "{told}");
+}
+
+/// Two sheets that are sewn together in 0.15 s and then fall on a ball. What the seam stores as it closes is far more than
+/// the cloth has by its motion, and no measure of what that may gain.
+#[test]
+fn a_seam_that_closes_hides_no_energy_from_nowhere() {
+    let sheet = |cells: u32, height: f64| {
+        format!(
+            "[[mesh]]\ngenerator = \"grid:{cells}x{cells}:alternating\"\nscale = [0.4, 0.4, 1]\n\
+             translate = [-0.2, -0.2, {height}]\n"
+        )
+    };
+    let text = format!(
+        "steps = 30\n{}{}[cloth]\ndensity = 0.2\nstiffness = 3000\n[[seam]]\nmeshes = [0, 1]\n\
+         first_border = [0, 1, 0]\nsecond_border = [0, 1, 0]\nuntil = 0.15\n[[obstacle]]\nshape = \"sphere\"\n\
+         radius = 0.14\nposition = [0.01, 0.005, 0.15]\n[contact]\nself = true\n",
+        sheet(21, 0.4),
+        sheet(17, 0.43)
+    );
+    let scene = scene("sewn-falls", &text);
+    let method = Method::find("xpbd").unwrap();
+    let settings = Settings::parse(&["substeps=auto"]).unwrap();
+    let (end, _) = simulate(&scene, method, &settings, scene.dt, scene.steps).unwrap();
+    let (excess, given) = (end.energy_excess, end.energy_given);
+    assert!(excess < 0.01 * given, "{excess} J of {given}");
 }

@@ -96,3 +96,152 @@ select = "highest"
     let ratio = pbd / expected;
     assert!((26.0..28.0).contains(&ratio), "{ratio}");
 }
+
+/// What a run of one step says on a sheet with these tables, and whether it says what `word` begins.
+fn says(name: &str, scene: &str, word: &str) -> bool {
+    let (code, said) = told(name, scene, &["implicit-euler"]);
+    assert_eq!(code, 0, "{said}");
+    said.contains(word)
+}
+
+/// Each with the largest number that is left alone, and a smaller one that is not.
+#[test]
+fn numbers_in_other_units_are_told() {
+    let held = format!("{SHEET}[[pins]]\nselect = \"corners\"\n");
+    let cloth = |key: &str| format!("{held}[cloth]\n{key}\n");
+    for (sound, wrong, word) in [
+        (
+            "density = 20",
+            "density = 20.5",
+            "density = 20.5 kg/m² is that of no cloth",
+        ),
+        (
+            "stiffness = 1e7",
+            "stiffness = 1.5e7",
+            "stiffness = 1.5e7 N/m is that of no cloth",
+        ),
+        (
+            "modulus = 1e7",
+            "modulus = 2e7",
+            "modulus = 2e7 N/m is that of no cloth",
+        ),
+    ] {
+        assert!(!says("sound-unit", &cloth(sound), "is that of no cloth"));
+        assert!(says("wrong-unit", &cloth(wrong), word));
+    }
+    let turned =
+        |angle: f64| format!("{SHEET}rotate = [0, {angle}, 0]\n[[pins]]\nselect = \"corners\"\n");
+    assert!(!says("turned-once", &turned(-6.28), "rotate"));
+    assert!(says(
+        "turned-often",
+        &turned(90.0),
+        "line 1: [[mesh]]: rotate is by 90 rad"
+    ));
+    let ball = |radius: f64| {
+        format!(
+            "{held}[[obstacle]]\nshape = \"sphere\"\nposition = [0, 0, -1]\nradius = {radius}\n"
+        )
+    };
+    assert!(!says(
+        "small-ball",
+        &ball(0.004),
+        "all lengths are in metres"
+    ));
+    assert!(says("tiny-ball", &ball(0.001), "all lengths are in metres"));
+}
+
+#[test]
+fn events_after_the_end_and_free_falls_are_told() {
+    let event = |time: f64| {
+        format!(
+            "steps = 60\n{SHEET}[[pins]]\nselect = \"corners\"\n[[event]]\ntime = {time}\ndo = \"release\"\n\
+             select = \"corners\"\n"
+        )
+    };
+    assert!(!says("in-time", &event(0.99), "it does not happen"));
+    let words = "line 6: [[event]]: at 1 s, but the 60 steps of";
+    assert!(says("too-late", &event(1.0), words));
+    let falls = "it falls freely all along";
+    assert!(says("free-fall", SHEET, falls));
+    for more in [
+        "[[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -1]\n",
+        "[[pins]]\nselect = \"corners\"\n",
+        "[start]\nvelocity = [1, 0, 1]\n",
+    ] {
+        assert!(!says("no-free-fall", &format!("{SHEET}{more}"), falls));
+    }
+    assert!(!says(
+        "weightless",
+        &format!("gravity = [0, 0, 0]\n{SHEET}"),
+        falls
+    ));
+}
+
+/// Strips that hang by their modulus: the mean drop of a uniform one is ρ g L²/(3 Y). Of square cells springs have it, of
+/// others they do not, which is said with how much the drop is off by; triangles have it.
+#[test]
+fn a_modulus_that_springs_do_not_have_is_told() {
+    let strip = |cells: [u32; 2], membrane: &str| {
+        // Upright, 1 m long and 0.25 m wide.
+        let [across, along] = cells;
+        format!(
+            "steps = 400\n[[mesh]]\ngenerator = \"grid:{}x{}:alternating\"\nscale = [0.25, {}, 1]\n\
+             rotate = [1.5707963267948966, 0, 0]\n[cloth]\ndensity = 0.3\nmodulus = 300\nmembrane = \"{membrane}\"\n\
+             [[pins]]\nselect = \"highest\"\n",
+            across + 1,
+            along + 1,
+            f64::from(across) / f64::from(along)
+        )
+    };
+    let expected = 0.3 * 9.81 / (3.0 * 300.0);
+    for (cells, membrane, stiffer) in [
+        ([8, 32], "springs", None),
+        ([8, 8], "springs", Some(2.67)),
+        ([8, 8], "arap", None),
+    ] {
+        let path = written("hung-strip", &strip(cells, membrane));
+        let arguments = [
+            "run",
+            path.to_str().unwrap(),
+            "--json",
+            "--method",
+            "implicit-euler",
+        ];
+        let output = program(&arguments);
+        let end: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        let ratio = expected / end["center_of_mass_drop"].as_f64().unwrap();
+        let factor = stiffer.unwrap_or(1.0);
+        // The ends are held across too, and the strip is finite.
+        assert!(
+            (ratio / factor - 1.0).abs() < 0.05,
+            "{cells:?} {membrane}: {ratio}"
+        );
+        let words = format!("{factor:.2} times the modulus along the edge (0, 0, 1)");
+        assert_eq!(said.contains(&words), stiffer.is_some(), "{said}");
+        assert_eq!(said.contains("membrane=arap"), stiffer.is_some(), "{said}");
+    }
+}
+
+/// A mat that starts within the thickness of a slope is given what contact holds there, which an explicit run has to know.
+#[test]
+fn explicit_run_may_start_within_the_thickness() {
+    let mat = "steps = 3\ngravity = [2.539, 0, -9.4757]\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\n\
+               scale = [0.5, 0.5, 1]\ntranslate = [0, 0, 0.0019]\n[[obstacle]]\nshape = \"plane\"\n";
+    let path = written("mat-within", mat);
+    let arguments = [
+        "run",
+        path.to_str().unwrap(),
+        "--json",
+        "--method",
+        "symplectic-euler",
+    ];
+    let output = program(&arguments);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{said}");
+    let end: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let [held, given] =
+        ["contact_energy_at_start", "energy_given"].map(|key| end[key].as_f64().unwrap());
+    assert!(held > 1e-4 && given >= held, "{held} {given}");
+    assert_eq!(end["energy_excess"], 0.0);
+}

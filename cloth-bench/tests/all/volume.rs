@@ -167,7 +167,10 @@ fn what_has_no_place_for_a_volume_says_so() {
     };
     let sheet = "[[mesh]]\ngenerator = \"grid:3x3:alternating\"\nbulk_modulus = 1e5\n";
     let told = refused(sheet);
-    assert!(told.contains("line 3") && told.contains("border"), "{told}");
+    assert!(
+        told.contains("line 3") && told.contains("boundary"),
+        "{told}"
+    );
     let told = refused("[[mesh]]\ngenerator = \"sphere:2\"\nbulk_modulus = 0\n");
     assert!(
         told.contains("line 3") && told.contains("above 0"),

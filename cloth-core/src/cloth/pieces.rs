@@ -1,6 +1,9 @@
 //! A cloth of several materials on one mesh.
 
-use super::{Cloth, ClothError, ClothModel, Discretization, Elements, SolidPiece};
+use super::{
+    Cloth, ClothError, ClothModel, DirectionalModulus, Discretization, Elements, Membrane,
+    MembraneElements, SolidPiece,
+};
 use crate::math::Real;
 use crate::mesh::TriMesh;
 use crate::particles::Particles;
@@ -15,6 +18,31 @@ pub struct Piece {
     pub discretization: Discretization,
     /// Numbers of its triangles.
     pub triangles: Vec<u32>,
+}
+
+impl Piece {
+    /// Young's modulus of its springs along the softest and along the stiffest edge; none unless springs carry a
+    /// [`Membrane::Modulus`].
+    ///
+    /// # Errors
+    /// [`ClothError::NoSuchTriangle`], [`ClothError::Mesh`].
+    pub fn directional_moduli(
+        &self,
+        mesh: &TriMesh,
+    ) -> Result<Option<[DirectionalModulus; 2]>, ClothError> {
+        let has_modulus = matches!(self.cloth.membrane, Membrane::Modulus(_));
+        if !has_modulus || self.discretization.membrane != MembraneElements::Springs {
+            return Ok(None);
+        }
+        let corners = |&triangle: &u32| {
+            let corners = mesh.triangles().get(triangle as usize);
+            corners.copied().ok_or(ClothError::NoSuchTriangle(triangle))
+        };
+        let triangles = self.triangles.iter().map(corners);
+        let part = mesh.with_triangles(triangles.collect::<Result<_, _>>()?);
+        let edges = EdgeTable::build(&part)?;
+        Ok(DirectionalModulus::extremes(&part, &edges))
+    }
 }
 
 impl ClothModel {

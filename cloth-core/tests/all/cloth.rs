@@ -1,10 +1,11 @@
 //! From a description in SI units to masses, elements and measures.
 
-use cloth_core::cloth::{Cloth, ClothError, Membrane};
+use cloth_core::cloth::{Cloth, ClothError, Discretization, Membrane, Piece};
 use cloth_core::element::Energy;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::measure::{self, IncrementalPotential, Strain};
+use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, disk, equilateral, grid, irregular};
 use cloth_core::particles::{ParticleError, Particles, State};
 use cloth_core::pin::Pins;
@@ -73,6 +74,67 @@ fn a_modulus_gives_the_springs_of_the_lattice_that_has_it() {
             (stored / (500.0 * 1e-6 * 1.5) - 1.0).abs() < 1e-9,
             "{stored}"
         );
+    }
+}
+
+/// Of cells as high as `height` and 1 wide, with springs k on all edges, in the two coordinates of their plane.
+#[test]
+fn a_modulus_along_an_edge_is_that_of_the_plane() {
+    let turned = nalgebra::Rotation3::new(Vec3::new(0.3, -0.8, 0.5));
+    let extremes = |mesh: &TriMesh| {
+        let piece = Piece {
+            cloth: Cloth {
+                membrane: Membrane::Modulus(500.0),
+                ..COTTON
+            },
+            discretization: Discretization::default(),
+            triangles: (0..mesh.triangles().len() as u32).collect(),
+        };
+        piece.directional_moduli(mesh).unwrap().unwrap()
+    };
+    for height in [1.0_f64, 1.3, 4.0] {
+        let flat = grid(9, 9, 8.0, 8.0 * height, Diagonals::Alternating).unwrap();
+        // A cell has one edge of each kind.
+        let lengths = [1.0, height * height, 1.0 + height * height];
+        let k = 3.0 * height / lengths.iter().sum::<Real>();
+        let [x, y, z] = lengths.map(|square| k * square / height);
+        let [c, s] = [1.0 / lengths[2], height * height / lengths[2]];
+        let [xx, xy, yy] = [x + z * c * c, z * c * s, y + z * s * s];
+        let compliance = |c: Real, s: Real| {
+            let normal = (yy * c * c - 2.0 * xy * c * s + xx * s * s) / (xx * yy - xy * xy);
+            normal + c * s / xy
+        };
+        let mut moduli = [[1.0, 0.0], [0.0, 1.0], [c, s]].map(|[c, s]| 1.0 / compliance(c, s));
+        let along = moduli[1];
+        moduli.sort_by(Real::total_cmp);
+        let placed = |place: &dyn Fn(&Vec3) -> Vec3| {
+            let x = flat.positions().iter().map(place).collect();
+            extremes(&TriMesh::new(x, flat.triangles().to_vec()).unwrap())
+        };
+        let close = |found: Real, expected: Real| {
+            assert!(
+                (found / expected - 1.0).abs() < 0.02,
+                "{height}: {found}, {expected}"
+            );
+        };
+        let [soft, stiff] = placed(&|p| turned * p);
+        close(soft.ratio, moduli[0]);
+        close(stiff.ratio, moduli[2]);
+        // Of half a tube along its axis, which is as stiff as the flat sheet that way.
+        let radius = 8.0 / std::f64::consts::PI;
+        let [_, tube] = placed(&|p| {
+            let (sin, cos) = (p.x / radius).sin_cos();
+            Vec3::new(radius * sin, p.y, radius * cos)
+        });
+        if height > 1.0 {
+            assert!(tube.direction.y.abs() > 0.99, "{tube:?}");
+            close(tube.ratio, along);
+        }
+    }
+    for mesh in [equilateral(20, 20, 0.01).unwrap(), disk(7, 0.5).unwrap()] {
+        for extreme in extremes(&mesh) {
+            assert!((extreme.ratio - 1.0).abs() < 0.02, "{extreme:?}");
+        }
     }
 }
 

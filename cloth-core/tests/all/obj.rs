@@ -110,11 +110,11 @@ fn every_mistake_names_its_line() {
         ),
         (
             "f 1 2 5\n",
-            "line 7: the face names vertex 5, but there are only 4 vertices",
+            "line 7: the face names vertex 5, but there are only 4 vertices, counted from 1",
         ),
         (
             "f 1 2 5000000000\n",
-            "line 7: the face names vertex 5000000000, but there are only 4 vertices",
+            "line 7: the face names vertex 5000000000, but there are only 4 vertices, counted from 1",
         ),
         (
             "f 1 2 -5\n",
@@ -136,7 +136,7 @@ fn every_mistake_names_its_line() {
         ),
         (
             "v 2 2 1\nf 1 3 5\n",
-            "line 8: the edge between vertices 1 and 3 belongs to the faces of lines 5 and 6 already",
+            "line 8: the edge between vertices 1 and 3, counted from 1, belongs to the faces of lines 5 and 6 already",
         ),
         ("<html>\n", "line 7: \"<html>\" is not a keyword of OBJ"),
         ("1 2 3\n", "line 7: \"1\" is not a keyword of OBJ"),

@@ -8,7 +8,8 @@
 //!
 //! The account goes on where contact has changed the end of a step. Contact with what does not move takes energy or
 //! leaves it, so all that contact is credited with is the work of bodies ([`ContactSource::work`]): stretch that it
-//! leaves by moving vertices apart is energy from nowhere, and counts as such when it becomes motion.
+//! leaves by moving vertices apart is energy from nowhere, and counts as such when it becomes motion. A cloth that starts
+//! nearer to something than the thickness is given what contact holds there, as the first substep finds it.
 
 use super::{EnergyBalance, Failure, Model};
 use crate::stability::Spectrum;
@@ -66,21 +67,28 @@ impl StabilityMonitor {
     }
 
     /// Starts the account of energy anew if this is not the state that the last step left. Beside its elements the
-    /// cloth has `stored` some energy (J).
+    /// cloth has `stored` some energy (J). Returns whether it did.
     pub(super) fn begin(
         &mut self,
         model: &Model,
         positions: &[Vec3],
         velocities: &[Vec3],
         stored: Real,
-    ) {
+    ) -> bool {
         if self.left == Some(fingerprint(&model.particles, positions, velocities)) {
-            return;
+            return false;
         }
         self.age = None;
         self.kinetic = kinetic_energy(&model.particles, velocities);
         self.given = self.kinetic + model.energies.value(positions) + stored;
         self.most_given = self.given;
+        true
+    }
+
+    /// Enters an energy (J) that contact held at the start of the account, where it was above zero.
+    pub(super) fn add_stored(&mut self, energy: Real) {
+        self.given += energy.max(0.0);
+        self.most_given = self.most_given.max(self.given);
     }
 
     /// Notes the state that a step leaves, and what moving bodies among the `contacts` have done in it.

@@ -5,9 +5,8 @@ use crate::contact::Contact;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::StepReport;
 
-/// What is left of the forces in a step with contact that is done, over those that it takes to end where it does. As H
-/// is at least M/Δt², the velocities are then as near to those of the minimum, in the norm of M.
-const BALANCE_TOLERANCE: Real = 1e-3;
+/// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
+const BALANCE_TOLERANCE: Real = 1e-8;
 /// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
 const NEGLIGIBLE_SPEED: Real = 1e-6;
 

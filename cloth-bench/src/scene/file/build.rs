@@ -4,8 +4,8 @@ use super::document::{Document, Section};
 use super::keys::{MESH_CLOTH, MESH_CONTACT, MESH_SOLID, Obstacle, SECTIONS, Top, overrulable};
 use super::material::Material;
 use super::{
-    air, event, force, gas, link, mass, mesh, methods, obstacles, pins, roughness, seam, start,
-    tear,
+    air, event, force, gas, hints, link, mass, mesh, methods, obstacles, pins, roughness, seam,
+    start, tear,
 };
 use crate::bounds::bounds;
 use crate::error::BenchError;
@@ -179,7 +179,7 @@ impl<'a> Sections<'a> {
         } else {
             self.sheet(settings, gravity)?
         };
-        Ok(Scene {
+        let mut scene = Scene {
             // Scenes have names that last, and a program reads one or a few files.
             name: Box::leak(name.into_boxed_str()),
             gravity,
@@ -187,7 +187,27 @@ impl<'a> Sections<'a> {
             steps: top.steps.unwrap_or(scene.steps),
             methods: self.methods.clone(),
             ..scene
-        })
+        };
+        scene
+            .hints
+            .extend(hints::of_rotations(&self.meshes, &self.obstacles)?);
+        scene.hints.extend(hints::of_events(&self.events, &scene)?);
+        scene.hints.extend(hints::of_sizes(&scene));
+        if self.falls_freely() && gravity != Vec3::zeros() {
+            scene.hints.push(
+                "nothing holds the cloth, and nothing is below it: it falls freely all along"
+                    .into(),
+            );
+        }
+        Ok(scene)
+    }
+
+    /// Whether nothing acts on the cloth but gravity.
+    fn falls_freely(&self) -> bool {
+        let several = [&self.pins, &self.forces, &self.events, &self.obstacles];
+        let one = [&self.chain, &self.start, &self.air];
+        several.iter().all(|sections| sections.is_empty())
+            && !one.iter().any(|section| section.is_given())
     }
 
     fn chain(&self, overruling: &Settings) -> Result<Scene, BenchError> {
@@ -278,6 +298,7 @@ impl<'a> Sections<'a> {
             None => mesh,
         };
         let mut model = material.cut(&mesh, |_| true)?;
+        let hints = material.hints(&mesh)?;
         let mut added_masses = Vec::new();
         for (section, vertices) in self.masses.iter().zip(weighted) {
             let mass = mass::add(section, &vertices, &mut model.particles)?;
@@ -339,6 +360,7 @@ impl<'a> Sections<'a> {
             changes,
             gases,
             volumes,
+            hints,
             ..built_in::of_mesh("", &mesh, model, gravity)
         };
         start::apply(&self.start, &mut scene)?;

@@ -31,7 +31,8 @@ crate::settings! {
         file: Option<String> = "none",
             "an OBJ or PLY file in m, its path relative to the scene file; of a solid, a .msh file of Gmsh";
         generator: Option<String> = "none",
-            "a generated mesh such as \"grid:33x33:alternating\" (see meshes); give this or a file";
+            "a generated mesh such as \"grid:33x17:alternating\", 1 m wide and 16/32 m high (list has all of them); give \
+             this or a file";
         scale: Option<Factors> = 1 in Above(0.0), "factor, or one for each axis such as [1, 0.25, 1]; first of all";
     }
     /// Of a piece of cloth.

@@ -84,12 +84,21 @@ impl Material {
         })
     }
 
-    /// The cloth cut to the triangles of a mesh that are wanted, by their numbers.
-    pub(super) fn cut(
+    /// What is seldom meant of these materials on a mesh, a sentence each.
+    pub(super) fn hints(&self, mesh: &TriMesh) -> Result<Vec<String>, BenchError> {
+        let pieces = self.pieces(mesh, |_| true)?;
+        Ok(pieces
+            .iter()
+            .flat_map(|piece| cloth::hints(piece, mesh))
+            .collect())
+    }
+
+    /// The triangles of a mesh that are wanted, by their numbers, for each material that has some.
+    fn pieces(
         &self,
         mesh: &TriMesh,
         is_wanted: impl Fn(usize) -> bool,
-    ) -> Result<ClothModel, BenchError> {
+    ) -> Result<Vec<Piece>, BenchError> {
         let mut pieces = Vec::new();
         for (place, settings) in self.settings.iter().enumerate() {
             let numbered = (0u32..).zip(mesh.triangles());
@@ -105,6 +114,16 @@ impl Material {
                 });
             }
         }
+        Ok(pieces)
+    }
+
+    /// The cloth cut to the triangles of a mesh that are wanted, by their numbers.
+    pub(super) fn cut(
+        &self,
+        mesh: &TriMesh,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Result<ClothModel, BenchError> {
+        let pieces = self.pieces(mesh, is_wanted)?;
         let mut model = ClothModel::of_pieces(mesh, &pieces, &self.solids)
             .map_err(|error| self.settings[0].blame(&self.own, error))?;
         let is_hard = self.settings.iter().map(cloth::is_hard);

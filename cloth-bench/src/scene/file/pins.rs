@@ -41,9 +41,8 @@ pub(super) fn chosen(
                     Ok(chosen)
                 }
                 Some(vertex) => {
-                    let count = positions.len();
-                    let message =
-                        format!("there is no vertex {vertex}, only {count}, counted from 0");
+                    let last = positions.len() - 1;
+                    let message = format!("there is no vertex {vertex}, only 0 to {last}");
                     Err(own.vertices.refuse(message))
                 }
             }

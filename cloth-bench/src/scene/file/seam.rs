@@ -128,8 +128,8 @@ impl<'a> Borders<'a> {
         for &number in numbers {
             if number as usize >= piece.len() {
                 let message = format!(
-                    "mesh {mesh} has no vertex {number}, only {}, counted from 0",
-                    piece.len()
+                    "mesh {mesh} has no vertex {number}, only 0 to {}",
+                    piece.len() - 1
                 );
                 return Err(key.refuse(message));
             }

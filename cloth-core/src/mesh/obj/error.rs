@@ -79,7 +79,7 @@ impl fmt::Display for ObjProblem {
                 vertex_count,
             } => write!(
                 f,
-                "the face names vertex {index}, but there are only {vertex_count} vertices"
+                "the face names vertex {index}, but there are only {vertex_count} vertices, counted from 1"
             ),
             Self::RepeatedVertex => write!(f, "the face names a vertex twice"),
             Self::ZeroArea { area } => {
@@ -97,7 +97,7 @@ impl fmt::Display for ObjProblem {
             Self::UnreferencedVertex => write!(f, "the vertex belongs to no face"),
             Self::NonManifoldEdge { ends, first_lines } => write!(
                 f,
-                "the edge between vertices {} and {} belongs to the faces of lines {} and {} already",
+                "the edge between vertices {} and {}, counted from 1, belongs to the faces of lines {} and {} already",
                 ends[0], ends[1], first_lines[0], first_lines[1]
             ),
             Self::Mesh(error) => error.fmt(f),

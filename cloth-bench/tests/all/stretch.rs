@@ -1,0 +1,78 @@
+//! Cloth that is stretched farther than cloth can be is told, and numbers beyond all measure end a run.
+
+use crate::program::program;
+use crate::scene_text::written;
+use serde_json::Value;
+
+/// Exit code, what is said, and the numbers.
+fn run(name: &str, scene: &str, method: &str) -> (i32, String, Value) {
+    let path = written(name, scene);
+    let output = program(&["run", path.to_str().unwrap(), "--json", "--method", method]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    let end = serde_json::from_slice(&output.stdout).unwrap();
+    (output.status.code().unwrap(), said, end)
+}
+
+/// Two of its sides are pulled apart to `1 + stretch` times its width, and come back.
+fn pulled(stretch: f64) -> String {
+    format!(
+        "steps = 60\ngravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:2x2:alternating\"\n\
+         [[pins]]\nbox = [[-9, -9, -9], [0.1, 9, 9]]\n\
+         [[event]]\ntime = 0\ndo = \"grab\"\nbox = [[0.9, -9, -9], [9, 9, 9]]\nmove = [{stretch}, 0, 0]\nduration = 0.5\n\
+         [[event]]\ntime = 0.5\ndo = \"drag\"\nbox = [[0.9, -9, -9], [9, 9, 9]]\nmove = [-{stretch}, 0, 0]\nduration = 0.5\n"
+    )
+}
+
+#[test]
+fn a_stretch_on_the_way_is_told_with_its_step() {
+    let (code, said, end) = run("pulled-far", &pulled(1.5), "implicit-euler");
+    assert_eq!(code, 0, "{said}");
+    let [last, most] = ["max_stretch", "max_stretch_of_all"].map(|key| end[key].as_f64().unwrap());
+    assert!(last < 1e-9 && (most - 1.5).abs() < 1e-9, "{last} {most}");
+    assert!(
+        said.contains("after step 30 the edge between vertices "),
+        "{said}"
+    );
+    assert!(
+        said.contains("was 2.500 times as long as at rest"),
+        "{said}"
+    );
+    assert!(!said.contains("pressure"), "{said}");
+    let (_, said, _) = run("pulled-less", &pulled(0.9), "implicit-euler");
+    assert!(!said.contains("stretched"), "{said}");
+}
+
+/// A ball of linear cloth has an equilibrium up to `½ p R = Y/(4 (1 − ν))`, 937.5 N/m for Y = 2500 N/m and ν = 1/3, and
+/// is twice as wide as at rest there.
+#[test]
+fn a_pressure_that_no_membrane_holds_is_told_or_ends_the_run() {
+    let ball = |pressure: f64| {
+        format!(
+            "steps = 120\ngravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"sphere:5\"\npressure = {pressure}\n\
+             [cloth]\nmodulus = 2500\n"
+        )
+    };
+    let held = "can hold no more than 9.3";
+    // R = 0.5 m: the largest pressure is 3750 Pa.
+    let (code, said, end) = run("ball-holds", &ball(3000.0), "implicit-euler");
+    let most = end["max_stretch"].as_f64().unwrap();
+    assert!(code == 0 && !said.contains(held), "{said}");
+    // x/(1 + x)² = 3000/3750/4.
+    assert!((most / 0.382 - 1.0).abs() < 0.1, "{most}");
+    for method in ["implicit-euler", "pd", "xpbd"] {
+        let (code, said, end) = run("ball-bursts", &ball(1e5), method);
+        assert_eq!(code, 1, "{method}: {said}");
+        let error = end["error"].as_str().unwrap();
+        assert!(
+            error.starts_with("step ") && said.contains(error),
+            "{error}"
+        );
+        assert!(error.contains("vert"), "{method}: {error}");
+    }
+    let (code, said, _) = run("ball-grows", &ball(4500.0), "implicit-euler");
+    assert!(
+        code == 1 || said.contains("stretched farther than cloth can be"),
+        "{said}"
+    );
+    assert!(said.contains(held), "{said}");
+}
