@@ -72,7 +72,13 @@ fn linearized(model: &ClothModel) -> Box<dyn Stepper> {
 
 /// Projective dynamics at its default: cut short, without a tolerance.
 fn pd(model: &ClothModel) -> Box<dyn Stepper> {
-    pd_with(model, PdConfig::default())
+    pd_with(
+        model,
+        PdConfig {
+            velocity_tolerance: 1e-6,
+            ..PdConfig::default()
+        },
+    )
 }
 
 /// As printed in the paper, and with Chebyshev's extrapolation where nothing can be touched.

@@ -7,6 +7,9 @@ use cloth_core::step::StepReport;
 
 /// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
 const BALANCE_TOLERANCE: Real = 1e-8;
+/// The same over the tolerance of the velocities, in a step that goes on until these are near enough. As H is at least
+/// M/Δt², they are off by no more than this in the norm of M.
+const BALANCED_VELOCITIES: Real = 0.01;
 /// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
 const NEGLIGIBLE_SPEED: Real = 1e-6;
 
@@ -52,7 +55,11 @@ impl PdSolver {
         }
         let objective = &self.objective;
         let forces = objective.inertial_norm(&self.point);
-        objective.norm(&self.point.gradient) <= BALANCE_TOLERANCE * forces
+        let tolerance = match self.config.iterations {
+            Some(_) => BALANCE_TOLERANCE,
+            None => BALANCED_VELOCITIES * self.config.velocity_tolerance,
+        };
+        objective.norm(&self.point.gradient) <= tolerance * forces
     }
 
     /// Whether the end of a step is near enough, with `part` times the tolerance: by the Newton decrement of the last

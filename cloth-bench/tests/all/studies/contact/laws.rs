@@ -7,7 +7,7 @@ use cloth_bench::studies::contact::laws::{
 /// The most (m) by which a method is off, for each about a tenth more than measured: below the angle of friction; where
 /// it slides; and at rest, light or with 20 kg/m², and with 80 kg/m².
 ///
-/// Friction of an energy holds by a spring, which is stretched by 12 µm. Heavy cloth in the many substeps of XPBD still
+/// Methods that minimise end each step at a tolerance of their default. Friction of an energy holds by a spring, which is stretched by 12 µm. Heavy cloth in the many substeps of XPBD still
 /// swings about its gap.
 fn bounds(name: &str) -> [f64; 4] {
     match name {
@@ -18,7 +18,7 @@ fn bounds(name: &str) -> [f64; 4] {
         "bdf2" => [1.2e-5, 6e-6, 7e-8, 1.4e-7],
         "pbd" => [0.0, 1e-13, 1e-16, 1e-15],
         "xpbd" | "xpbd-direct" => [0.0, 3e-12, 2.5e-10, 2.1e-5],
-        "pd" => [1.2e-5, 1.6e-10, 1e-15, 1e-15],
+        "pd" => [1.2e-5, 4e-6, 3e-9, 3e-9],
         other => panic!("no bounds for {other}"),
     }
 }
@@ -97,7 +97,7 @@ fn contact_takes_as_much_energy_as_the_closed_forms_say() {
         let part = off(found) / found.expected.0;
         let most = match name {
             "implicit-midpoint" => 4e-4,
-            "bdf2" | "implicit-euler" | "linear-implicit" => 5e-6,
+            "bdf2" | "implicit-euler" | "linear-implicit" | "pd" => 5e-6,
             _ => 1e-9,
         };
         assert!(part < most, "{name}: {part:e}");

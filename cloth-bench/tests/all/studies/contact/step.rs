@@ -38,7 +38,7 @@ fn every_way_of_the_study_shows_where_its_iterations_lead() {
     }
     let known = [
         ("implicit-euler", [Some(3), Some(5), Some(12)]),
-        ("pd", [Some(18), Some(46), Some(58)]),
+        ("pd", [Some(39), Some(43), Some(54)]),
         ("xpbd", [Some(4), Some(46), None]),
         ("pbd, from the material", [Some(20), None, None]),
         ("pd, plain", [None; 3]),
