@@ -275,8 +275,8 @@
 //!   which is how cloth moves on what it touches: so few iterations with A, pairs or not, leave forces out of balance.
 //!   With active contacts the direction solves `(H + Σ k J Jᵀ) d = −∇G`, H the Hessian of inertia and elements at the
 //!   iterate, J the derivative of a distance by the vertices and k the second derivative of its energy
-//!   ([`ContactRow`](cloth_core::contact::ContactRow)), to a fifth of the residual, by conjugate gradients that the
-//!   factor of A preconditions; the volume of a closed component
+//!   ([`ContactRow`](cloth_core::contact::ContactRow)), by conjugate gradients that the factor of A and the 3 × 3 blocks
+//!   on the diagonal precondition; the volume of a closed component
 //!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one contact constraint on all its vertices, is among
 //!   them. The constant matrix stays; H is only multiplied with.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
@@ -288,11 +288,10 @@
 //!   (`quasi_newton.rs`). Without it, a handkerchief on the corner of a table (`cloth-bench/scenes/handkerchief.toml`)
 //!   gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J that it was given, and a step took seven times as
 //!   long; with it, nothing beyond those (commit 9374ec2).
-//! - **A step goes on until it is near enough**, as it does without contact: for 20 iterations, unless forces balance
-//!   to 10⁻⁸ before, and until what the iteration still has to move is a tenth of what forces have moved
+//! - **A step goes on until it is near enough**, as it does without contact: for 8 iterations, unless forces balance
+//!   to 10⁻³ before, and until what the iteration still has to move is a tenth of what forces have moved
 //!   ([`PdConfig::velocity_tolerance`]), or up to [`PdConfig::most_iterations`]. A ribbon that folds down on itself
-//!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.477 m, with a tenth of the tolerance 0.496 m, by implicit Euler
-//!   0.495 m; a towel without friction slides off its rail (`tests/all/towel.rs` of `cloth-bench`). If the end is above
+//!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a towel without friction slides off its rail (`tests/all/towel.rs` of `cloth-bench`). If the end is above
 //!   `G` at the start of the step all the same, it is taken again from there.
 //!
 //! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps.
@@ -332,7 +331,7 @@
 //! - **No convergence is no error.** As in `cloth-massspring`, a step has
 //!   [`Converged`](cloth_core::step::Outcome::Converged) where, as its Newton decrement estimates, the change of
 //!   velocity is right to the tolerance asked for ([`PdConfig::velocity_tolerance`], with how near that is), where
-//!   [`PdConfig::tolerance`] is met, and the report has the residual, where forces in contact balance to 10⁻⁸, where
+//!   [`PdConfig::tolerance`] is met, and the report has the residual, where forces in contact balance to 10⁻³, where
 //!   the cloth flies freely and where nothing can move. Else it is
 //!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent): after a given number of iterations, after a failed line
 //!   search in contact, and at `most_iterations`, which counts as

@@ -29,6 +29,7 @@ use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
 use crate::quadratic::Padded;
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::method::chunked::map_reduce;
 use cloth_core::method::vectors::{add, dot};
 
 /// Residual, in the norm of the preconditioner and relative to the first, at which conjugate gradients end: in so many
@@ -124,10 +125,18 @@ impl TruncatedNewton {
     /// `(A⁻¹ + B⁻¹) r`, B the blocks on the diagonal.
     fn precondition(&mut self, global: &mut GlobalSystem) {
         global.solve(&self.residual, &mut self.solved);
-        let terms = self.inverses.iter().zip(&self.residual);
-        for (solved, (inverse, residual)) in self.solved.iter_mut().zip(terms) {
-            *solved += inverse * residual;
-        }
+        let (inverses, residual) = (&self.inverses[..], &self.residual[..]);
+        map_reduce(
+            &mut self.solved[..],
+            #[inline(always)]
+            |start, solved: &mut [Vec3]| {
+                let terms = inverses[start..].iter().zip(&residual[start..]);
+                for (solved, (inverse, residual)) in solved.iter_mut().zip(terms) {
+                    *solved += inverse * residual;
+                }
+                []
+            },
+        );
     }
 
     /// Takes the Hessian at x (m), and inverts the blocks on its diagonal.

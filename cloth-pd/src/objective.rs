@@ -255,13 +255,19 @@ impl Objective {
     pub(crate) fn multiply(&self, d: &[Vec3], padded: &mut Vec<Padded>, out: &mut [Vec3]) {
         padded.clear();
         padded.extend(d.iter().map(|d| [d.x, d.y, d.z, 0.0]));
-        for (vertex, (out, d)) in out.iter_mut().zip(d).enumerate() {
-            *out = d * (self.particles.mass()[vertex] / self.dt / self.dt);
-            if !self.quadratic.is_empty() {
-                let [x, y, z, _] = self.quadratic.times(vertex, padded);
-                *out += Vec3::new(x, y, z);
-            }
-        }
+        let (mass, quadratic, padded) = (self.particles.mass(), &self.quadratic, &padded[..]);
+        let per_dt_squared = 1.0 / self.dt / self.dt;
+        map_reduce(
+            &mut *out,
+            #[inline(always)]
+            |start, out: &mut [Vec3]| {
+                for (vertex, out) in (start..).zip(out) {
+                    let [x, y, z, _] = quadratic.times(vertex, padded);
+                    *out = d[vertex] * (mass[vertex] * per_dt_squared) + Vec3::new(x, y, z);
+                }
+                []
+            },
+        );
         for family in &self.families {
             family.add_product(d, out);
         }
