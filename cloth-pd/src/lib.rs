@@ -296,12 +296,12 @@
 //!
 //! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps.
 //! A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.014 to 0.019 J with implicit
-//! Euler, with ten iterations a step 0.36 J, here 0.026 J.
+//! Euler, with ten iterations a step 0.36 J, here 0.034 J.
 //!
 //! So every accepted iterate, and the straight path from one to the next, is free of intersections. A sheet with 64
 //! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m (`cloth-bench/scenes/ball.toml`) is
-//! stretched by 1.8 % at most after 20 steps of 1/60 s, 1.5 % with implicit Euler, and no energy appears. How far it
-//! has fallen by then depends on how it buckles: by 0.30 to 0.32 m, 0.33 m with implicit Euler.
+//! stretched by 2 to 3 % at most after 20 steps of 1/60 s, 1.9 % with implicit Euler, and no energy appears. How far it
+//! has fallen by then depends on how it buckles: by 0.320 to 0.324 m, 0.325 m with implicit Euler.
 //!
 //! # Strain limits
 //! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
