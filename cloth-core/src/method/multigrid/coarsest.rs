@@ -5,6 +5,10 @@ use super::level::Level;
 use crate::math::{Real, Vec3};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+/// By how much of itself (dimensionless) the diagonal is made larger, until the matrix is positive definite: the levels
+/// are in single precision, so that of stiff cloth in a long step may not be.
+const SHIFTS: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-4];
+
 /// The factor, and where the level's free vertices stand in it.
 #[derive(Debug)]
 pub(super) struct Coarsest {
@@ -25,6 +29,13 @@ impl Coarsest {
 
     /// Factorises the matrix of the level. Returns whether it is positive definite.
     pub(super) fn factorize(&mut self, level: &Level) -> bool {
+        SHIFTS
+            .iter()
+            .any(|&shift| self.factorize_shifted(level, shift))
+    }
+
+    /// The same with the diagonal larger by a part `shift` (dimensionless).
+    fn factorize_shifted(&mut self, level: &Level, shift: f64) -> bool {
         let kept = self.factor.take().map(Cholesky::unpack_dirty);
         let Some(mut dense) = kept.or_else(|| self.matrix.take()) else {
             return false;
@@ -51,6 +62,9 @@ impl Coarsest {
             let mut place = dense.fixed_view_mut::<3, 3>(3 * row, 3 * column);
             place += block;
         });
+        for entry in 0..dense.nrows() {
+            dense[(entry, entry)] *= 1.0 + shift;
+        }
         self.factor = Cholesky::new(dense);
         if self.factor.is_none() {
             let size = self.right_hand_side.len();
