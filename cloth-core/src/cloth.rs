@@ -97,10 +97,11 @@ pub enum Membrane {
     /// an isotropic sheet of modulus Y and Poisson's ratio 1/3. For equilateral triangles (`Y = 2k/√3`) and the
     /// alternating grid (`Y = 4k/3`) it is exact in every direction.
     ///
-    /// Where cells are longer one way than the other it is right in the mean only: with cells four times as high as wide
-    /// the sheet is 2.7 times as stiff along them, and a tenth as stiff across. [`Piece::directional_moduli`] tells. No choice
-    /// of springs, one for every edge, is isotropic there: beyond a ratio of √3 the diagonals alone are too stiff along
-    /// the cells. Triangles ([`MembraneElements::Stvk`], [`MembraneElements::Arap`]) are right on every mesh.
+    /// Where cells are longer one way than the other it is right in the mean only: with cells four times as high as
+    /// wide the sheet is 2.7 times as stiff along them, and a tenth as stiff across. [`Piece::directional_moduli`]
+    /// tells. No choice of springs, one for every edge, is isotropic there: beyond a ratio of √3 the diagonals alone
+    /// are too stiff along the cells. Triangles ([`MembraneElements::Stvk`], [`MembraneElements::Arap`]) are right on
+    /// every mesh.
     Modulus(Real),
 }
 

@@ -20,7 +20,8 @@ pub use tet_mesh::TetMesh;
 /// the front.
 ///
 /// A `TriMesh` that exists has passed the checks of [`TriMesh::new`], so no later code repeats them. Only in that of a
-/// [`TetMesh`], which is the surface of a solid, and where triangles are torn out, are vertices that are in no triangle.
+/// [`TetMesh`], which is the surface of a solid, and where triangles are torn out, are vertices that are in no
+/// triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriMesh {
     positions: Vec<Vec3>,

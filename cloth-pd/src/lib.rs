@@ -275,8 +275,8 @@
 //!   which is how cloth moves on what it touches: so few iterations with A, pairs or not, leave forces out of balance.
 //!   With active contacts the direction solves `(H + Σ k J Jᵀ) d = −∇G`, H the Hessian of inertia and elements at the
 //!   iterate, J the derivative of a distance by the vertices and k the second derivative of its energy
-//!   ([`ContactRow`](cloth_core::contact::ContactRow)), by conjugate gradients that the factor of A and the 3 × 3 blocks
-//!   on the diagonal precondition; the volume of a closed component
+//!   ([`ContactRow`](cloth_core::contact::ContactRow)), by conjugate gradients that the factor of A and the 3 × 3
+//!   blocks on the diagonal precondition; the volume of a closed component
 //!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one contact constraint on all its vertices, is among
 //!   them. The constant matrix stays; H is only multiplied with.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
@@ -291,7 +291,8 @@
 //! - **A step goes on until it is near enough**, as it does without contact: for 8 iterations, unless forces balance
 //!   to 10⁻³ before, and until what the iteration still has to move is a tenth of what forces have moved
 //!   ([`PdConfig::velocity_tolerance`]), or up to [`PdConfig::most_iterations`]. A ribbon that folds down on itself
-//!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a towel without friction slides off its rail (`tests/all/towel.rs` of `cloth-bench`). If the end is above
+//!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a towel without friction
+//!   slides off its rail (`tests/all/towel.rs` of `cloth-bench`). If the end is above
 //!   `G` at the start of the step all the same, it is taken again from there.
 //!
 //! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps.

@@ -11,10 +11,10 @@
 //! the diagonal of `H + Σ k J Jᵀ` (block Jacobi): A is right for what stretches the cloth, B for what moves a vertex
 //! out of it or presses it onto something, and where both are right the sum is twice too much at most.
 //!
-//! *How far.* Until a fifth of the residual is left; from the thirtieth direction of a step on less and less. A residual
-//! is mostly what contacts push with, a thousand times the weight of a light cloth; solved to a fifth, such a step goes
-//! to and fro between too many contacts and too few: a cloth of 0.02 kg/m² on a table kept its overhanging edges curled
-//! in the air, and fell 0.039 m instead of 0.053.
+//! *How far.* Until a fifth of the residual is left; from the thirtieth direction of a step on less and less. A
+//! residual is mostly what contacts push with, a thousand times the weight of a light cloth; solved to a fifth, such a
+//! step goes to and fro between too many contacts and too few: a cloth of 0.02 kg/m² on a table kept its overhanging
+//! edges curled in the air, and fell 0.039 m instead of 0.053.
 //!
 //! *Tried.* The exact Hessian, as a difference of gradients, in the place of the projected one: wherever springs are
 //! pressed it is indefinite, and conjugate gradients end at once. A sheet on a ball fell 7 % less than by implicit

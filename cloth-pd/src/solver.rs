@@ -63,8 +63,8 @@ const DECREASE_WINDOW: usize = 5;
 /// Least number of iterations in a step that goes on until it is near enough, and the number in one that does not know.
 const MIN_ITERATIONS: u32 = 10;
 /// Least number in a step with contact where directions are those of the constant matrix; and of Newton's method, also
-/// where pins, bodies or forces drive the cloth: pulled around a cylinder, a strip holds 11 % longer than it should with
-/// eight, 3 % with fourteen, and as long as it should with twenty.
+/// where pins, bodies or forces drive the cloth: pulled around a cylinder, a strip holds 11 % longer than it should
+/// with eight, 3 % with fourteen, and as long as it should with twenty.
 const MIN_ITERATIONS_IN_CONTACT: u32 = 30;
 const MIN_NEWTON_ITERATIONS: u32 = 8;
 const MIN_NEWTON_ITERATIONS_DRIVEN: u32 = 20;

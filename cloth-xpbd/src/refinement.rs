@@ -26,8 +26,8 @@
 //!
 //! where H is K + E as the step before has left it. H alone would be zero for cloth that starts from rest, and any gain
 //! too much; with W the scale has what the cloth is given as soon as it falls. `E before` in the balance is that of the
-//! elements as they are at the end of the step, so that what closes a seam is work from outside. In the scale it would be
-//! far too much: a stiff seam that closes by a jump stores for an instant what no step hands on.
+//! elements as they are at the end of the step, so that what closes a seam is work from outside. In the scale it would
+//! be far too much: a stiff seam that closes by a jump stores for an instant what no step hands on.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::rounding_energy;

@@ -8,8 +8,8 @@ use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
 
-/// Strain from which on it is worth a warning: woven cloth tears at a third of it, and a balloon of linear cloth that has
-/// passed it has no equilibrium any more.
+/// Strain from which on it is worth a warning: woven cloth tears at a third of it, and a balloon of linear cloth that
+/// has passed it has no equilibrium any more.
 const WORTH_A_WARNING: Real = 1.0;
 /// Strain and coordinate (m) from which on numbers are nonsense.
 const NONSENSE: [Real; 2] = [1e6, 1e9];
@@ -90,8 +90,8 @@ impl StretchWatch {
 
 /// Of a gas inside that the membrane cannot hold, as the end of a sentence.
 ///
-/// A sphere of radius R whose membrane is stretched by s has the tension `B s` (N/m) per length at rest, and a pressure p
-/// pulls with `½ p R (1 + s)²`. The two can be equal where `½ p R ≤ B/4`, and at the end of that range s is 1.
+/// A sphere of radius R whose membrane is stretched by s has the tension `B s` (N/m) per length at rest, and a pressure
+/// p pulls with `½ p R (1 + s)²`. The two can be equal where `½ p R ≤ B/4`, and at the end of that range s is 1.
 fn pressure(scene: &Scene) -> String {
     /// The strain by which B is measured.
     const SMALL: Real = 1e-6;

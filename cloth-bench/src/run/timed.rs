@@ -20,7 +20,8 @@ pub(super) struct Timed {
     /// Those that ended with pinched cloth in a body, and how many of its vertices at most.
     pub(super) pinched_steps: u32,
     pub(super) most_pinched: u32,
-    /// Held vertices that were in a body at any time, and its number each; see [`PotentialContacts::prescribed_inside`].
+    /// Held vertices that were in a body at any time, and its number each; see
+    /// [`PotentialContacts::prescribed_inside`].
     pub(super) held_inside: Vec<[u32; 2]>,
 }
 

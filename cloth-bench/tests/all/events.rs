@@ -74,8 +74,8 @@ fn what_is_dragged_follows_its_path_and_flies_on_when_released() {
     }
 }
 
-/// Projective dynamics is corrected for what is grabbed, released and torn out, and goes on as one that is built anew for
-/// every tear: that one is behind a strain limit which is never met, and passes no change on.
+/// Projective dynamics is corrected for what is grabbed, released and torn out, and goes on as one that is built anew
+/// for every tear: that one is behind a strain limit which is never met, and passes no change on.
 #[test]
 fn pd_goes_on_through_small_tears_as_if_it_were_built_anew() {
     let cloth = |stiffness: &str| {

@@ -90,8 +90,8 @@ fn other_methods_and_other_elements_are_refused_with_a_reason() {
     );
 }
 
-/// A chain of 1 m and ten links between two supports at the same height: depth of its middle, of rigid links by bisection
-/// of the horizontal tension, for every link spans l(H, V)/T.
+/// A chain of 1 m and ten links between two supports at the same height: depth of its middle, of rigid links by
+/// bisection of the horizontal tension, for every link spans l(H, V)/T.
 fn rigid_depth(span: f64, weight: f64) -> f64 {
     let pulls = [4.5, 3.5, 2.5, 1.5, 0.5].map(|count| count * weight);
     let along = |h: f64, of: fn(f64, f64) -> f64| -> f64 {

@@ -451,8 +451,8 @@ fn single_precision_refuses_seams_by_name() {
     assert!(told.contains("stitches"), "{told}");
 }
 
-/// Two sheets that are sewn together in 0.15 s and then fall on a ball. What the seam stores as it closes is far more than
-/// the cloth has by its motion, and no measure of what that may gain.
+/// Two sheets that are sewn together in 0.15 s and then fall on a ball. What the seam stores as it closes is far more
+/// than the cloth has by its motion, and no measure of what that may gain.
 #[test]
 fn a_seam_that_closes_hides_no_energy_from_nowhere() {
     let sheet = |cells: u32, height: f64| {

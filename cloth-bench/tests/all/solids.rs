@@ -43,7 +43,8 @@ fn drop(scene: &Scene, x: &[Vec3]) -> f64 {
 }
 
 /// Hung up by one end, a bar stretches by its own weight: ρ g L²/(2E). For ν = 0 that is so up to the masses of
-/// vertices, which differ in a layer: less so with finer tetrahedra, and the same with every method that has come to rest.
+/// vertices, which differ in a layer: less so with finer tetrahedra, and the same with every method that has come to
+/// rest.
 #[test]
 fn a_hanging_bar_stretches_by_its_own_weight() {
     let law = 1000.0 * 9.81 * 0.4 * 0.4 / (2.0 * 4e4);
@@ -81,8 +82,8 @@ fn a_hanging_bar_stretches_by_its_own_weight() {
 }
 
 /// Pulled by a known weight at its end, a bar becomes longer by σ/E and narrower by ν of that, and its volume grows by
-/// σ/(3K), K = E/(3(1 − 2ν)) its bulk modulus: all measured in the middle, far from the ends, of which one is held. There
-/// the lower half of the bar weighs too.
+/// σ/(3K), K = E/(3(1 − 2ν)) its bulk modulus: all measured in the middle, far from the ends, of which one is held.
+/// There the lower half of the bar weighs too.
 #[test]
 fn a_pulled_bar_keeps_the_volume_that_its_bulk_modulus_says() {
     let (nu, stress) = (0.4, 100.0);

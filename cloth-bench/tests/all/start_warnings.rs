@@ -131,7 +131,7 @@ fn numbers_in_other_units_are_told() {
     }
     let turned =
         |angle: f64| format!("{SHEET}rotate = [0, {angle}, 0]\n[[pins]]\nselect = \"corners\"\n");
-    assert!(!says("turned-once", &turned(-6.28), "rotate"));
+    assert!(!says("turned-once", &turned(-6.2), "rotate"));
     assert!(says(
         "turned-often",
         &turned(90.0),
@@ -177,8 +177,8 @@ fn events_after_the_end_and_free_falls_are_told() {
     ));
 }
 
-/// Strips that hang by their modulus: the mean drop of a uniform one is ρ g L²/(3 Y). Of square cells springs have it, of
-/// others they do not, which is said with how much the drop is off by; triangles have it.
+/// Strips that hang by their modulus: the mean drop of a uniform one is ρ g L²/(3 Y). Of square cells springs have it,
+/// of others they do not, which is said with how much the drop is off by; triangles have it.
 #[test]
 fn a_modulus_that_springs_do_not_have_is_told() {
     let strip = |cells: [u32; 2], membrane: &str| {
@@ -223,7 +223,8 @@ fn a_modulus_that_springs_do_not_have_is_told() {
     }
 }
 
-/// A mat that starts within the thickness of a slope is given what contact holds there, which an explicit run has to know.
+/// A mat that starts within the thickness of a slope is given what contact holds there, which an explicit run has to
+/// know.
 #[test]
 fn explicit_run_may_start_within_the_thickness() {
     let mat = "steps = 3\ngravity = [2.539, 0, -9.4757]\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\n\

@@ -24,9 +24,9 @@ impl TetMesh {
     /// Checks the buffers and keeps them; tetrahedra with a negative volume get two corners exchanged.
     ///
     /// # Errors
-    /// The first [`MeshError`] met: a position that is not finite, a tetrahedron that names a vertex that does not exist
-    /// or one twice, or has no volume to rounding, or is the third at one of its faces; a vertex that is in none; a
-    /// surface that meets itself along an edge; no tetrahedron at all.
+    /// The first [`MeshError`] met: a position that is not finite, a tetrahedron that names a vertex that does not
+    /// exist or one twice, or has no volume to rounding, or is the third at one of its faces; a vertex that is in none;
+    /// a surface that meets itself along an edge; no tetrahedron at all.
     pub fn new(positions: Vec<Vec3>, mut tetrahedra: Vec<[u32; 4]>) -> Result<Self, MeshError> {
         let is_finite = crate::math::is_finite;
         if let Some(vertex) = positions.iter().position(|x| !is_finite(x)) {

@@ -147,8 +147,8 @@ fn model(mesh: &TetMesh, solid: Solid) -> ClothModel {
     ClothModel::of_pieces(mesh.surface(), &[], &[SolidPiece { solid, tetrahedra }]).unwrap()
 }
 
-/// In any mesh a small uniform strain costs what the linear elastic solid of E and ν stores, and pushes no vertex inside:
-/// stretch, shear, and equal pressure from all sides, by the bulk modulus E/(3(1 − 2ν)).
+/// In any mesh a small uniform strain costs what the linear elastic solid of E and ν stores, and pushes no vertex
+/// inside: stretch, shear, and equal pressure from all sides, by the bulk modulus E/(3(1 − 2ν)).
 #[test]
 fn moduli_are_those_of_the_material() {
     let mesh = jittered();
@@ -201,7 +201,8 @@ fn moduli_are_those_of_the_material() {
     }
 }
 
-/// For ν = 0 a pull answers with E (s − 1) at any s, and for any ν pressure from all sides is what bulk and shear store.
+/// For ν = 0 a pull answers with E (s − 1) at any s, and for any ν pressure from all sides is what bulk and shear
+/// store.
 #[test]
 fn large_strains_cost_what_the_formula_says() {
     let mesh = jittered();

@@ -8,8 +8,8 @@
 //!
 //! The account goes on where contact has changed the end of a step. Contact with what does not move takes energy or
 //! leaves it, so all that contact is credited with is the work of bodies ([`ContactSource::work`]): stretch that it
-//! leaves by moving vertices apart is energy from nowhere, and counts as such when it becomes motion. A cloth that starts
-//! nearer to something than the thickness is given what contact holds there, as the first substep finds it.
+//! leaves by moving vertices apart is energy from nowhere, and counts as such when it becomes motion. A cloth that
+//! starts nearer to something than the thickness is given what contact holds there, as the first substep finds it.
 
 use super::{EnergyBalance, Failure, Model};
 use crate::stability::Spectrum;

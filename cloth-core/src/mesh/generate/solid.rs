@@ -55,8 +55,8 @@ pub fn block(cells: [usize; 3], size: Vec3) -> Result<TetMesh, MeshError> {
 }
 
 /// A ball of the given radius (m) around the origin, of `n` shells: the tetrahedra between its middle and the faces of
-/// an icosahedron, each divided into n³, and the shells projected. On the outermost one it is a [`sphere`](super::sphere)
-/// of frequency n.
+/// an icosahedron, each divided into n³, and the shells projected. On the outermost one it is a
+/// [`sphere`](super::sphere) of frequency n.
 ///
 /// # Errors
 /// [`MeshError::OutOfRange`] for `n` = 0, for a radius that is not positive and finite, or for more vertices than fit.

@@ -7,8 +7,8 @@ use cloth_bench::studies::contact::laws::{
 /// The most (m) by which a method is off, for each about a tenth more than measured: below the angle of friction; where
 /// it slides; and at rest, light or with 20 kg/m², and with 80 kg/m².
 ///
-/// Methods that minimise end each step at a tolerance of their default. Friction of an energy holds by a spring, which is stretched by 12 µm. Heavy cloth in the many substeps of XPBD still
-/// swings about its gap.
+/// Methods that minimise end each step at a tolerance of their default. Friction of an energy holds by a spring, which
+/// is stretched by 12 µm. Heavy cloth in the many substeps of XPBD still swings about its gap.
 fn bounds(name: &str) -> [f64; 4] {
     match name {
         "symplectic-euler" => [0.0, 1.2e-10, 1.2e-10, 1.3e-9],

@@ -4,8 +4,8 @@ use cloth_bench::studies::contact::motion::follow;
 use cloth_bench::studies::contact::survival::scene_of;
 use cloth_bench::studies::work_precision::distance;
 
-/// Distance from the motion of BDF2 with steps of 1/480 s, over the size of the cloth: each bound is a tenth above what was
-/// measured. Sheets that land on each other do not buckle, so chance has no part in it.
+/// Distance from the motion of BDF2 with steps of 1/480 s, over the size of the cloth: each bound is a tenth above what
+/// was measured. Sheets that land on each other do not buckle, so chance has no part in it.
 #[test]
 fn sheets_land_on_each_other_where_the_converged_motion_has_them() {
     let sheets = scene_of("stack", 9, "").unwrap();
