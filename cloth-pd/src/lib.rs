@@ -292,8 +292,7 @@
 //!   to 10⁻³ before, and until what the iteration still has to move is a tenth of what forces have moved
 //!   ([`PdConfig::velocity_tolerance`]), or up to [`PdConfig::most_iterations`]. A ribbon that folds down on itself
 //!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a towel without friction
-//!   slides off its rail (`tests/all/towel.rs` of `cloth-bench`). If the end is above
-//!   `G` at the start of the step all the same, it is taken again from there.
+//!   slides off its rail. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
 //! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps.
 //! A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.014 to 0.019 J with implicit

@@ -142,6 +142,13 @@ fn jittered() -> TetMesh {
     TetMesh::new(x, tetrahedra).unwrap()
 }
 
+/// The sum of the volumes (m³) of all tetrahedra.
+fn whole_volume(mesh: &TetMesh) -> Real {
+    let x = mesh.surface().positions();
+    let volumes = mesh.tetrahedra().iter();
+    volumes.map(|t| volume(&t.map(|v| x[v as usize]))).sum()
+}
+
 fn model(mesh: &TetMesh, solid: Solid) -> ClothModel {
     let tetrahedra = mesh.tetrahedra().to_vec();
     ClothModel::of_pieces(mesh.surface(), &[], &[SolidPiece { solid, tetrahedra }]).unwrap()
@@ -153,11 +160,7 @@ fn model(mesh: &TetMesh, solid: Solid) -> ClothModel {
 fn moduli_are_those_of_the_material() {
     let mesh = jittered();
     let rest = mesh.surface().positions();
-    let total: Real = mesh
-        .tetrahedra()
-        .iter()
-        .map(|t| volume(&t.map(|v| rest[v as usize])))
-        .sum();
+    let total = whole_volume(&mesh);
     let on_surface: Vec<u32> = mesh.surface().triangles().as_flattened().to_vec();
     for nu in [0.0, 0.25, 0.45] {
         let solid = Solid {
@@ -207,11 +210,7 @@ fn moduli_are_those_of_the_material() {
 fn large_strains_cost_what_the_formula_says() {
     let mesh = jittered();
     let rest = mesh.surface().positions();
-    let total: Real = mesh
-        .tetrahedra()
-        .iter()
-        .map(|t| volume(&t.map(|v| rest[v as usize])))
-        .sum();
+    let total = whole_volume(&mesh);
     for s in [0.3, 0.8, 1.7] as [Real; 3] {
         let of = |nu, stretch: Vec3| {
             let solid = Solid {
