@@ -7,7 +7,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// By how much of itself (dimensionless) the diagonal is made larger, until the matrix is positive definite: the levels
 /// are in single precision, so that of stiff cloth in a long step may not be.
-const SHIFTS: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-4];
+const SHIFTS: [f64; 3] = [1e-6, 1e-5, 1e-4];
 
 /// The factor, and where the level's free vertices stand in it.
 #[derive(Debug)]
@@ -27,11 +27,16 @@ impl Coarsest {
         }
     }
 
-    /// Factorises the matrix of the level. Returns whether it is positive definite.
+    /// Factorises the matrix of the level, with a larger diagonal if it has to be. Returns whether it is positive definite
+    /// as it is.
     pub(super) fn factorize(&mut self, level: &Level) -> bool {
-        SHIFTS
-            .iter()
-            .any(|&shift| self.factorize_shifted(level, shift))
+        let is_positive_definite = self.factorize_shifted(level, 0.0);
+        if !is_positive_definite {
+            SHIFTS
+                .iter()
+                .any(|&shift| self.factorize_shifted(level, shift));
+        }
+        is_positive_definite
     }
 
     /// The same with the diagonal larger by a part `shift` (dimensionless).
