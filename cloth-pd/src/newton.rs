@@ -30,7 +30,7 @@ use crate::objective::{Objective, Point};
 use crate::quadratic::Padded;
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::chunked::map_reduce;
-use cloth_core::method::vectors::{add, dot};
+use cloth_core::method::linear::TruncatedConjugateGradients;
 
 /// Residual, in the norm of the preconditioner and relative to the first, at which conjugate gradients end: in so many
 /// directions of a step; after these it is smaller by a factor from one direction to the next, down to the least.
@@ -46,27 +46,19 @@ const MAX_CG_ITERATIONS: u32 = 200;
 pub(crate) struct TruncatedNewton {
     /// Inverses of the blocks on the diagonal of `H + Σ k J Jᵀ` (m/N); 0 of prescribed vertices.
     inverses: Vec<Mat3>,
-    residual: Vec<Vec3>,
-    /// The preconditioned residual (m).
-    solved: Vec<Vec3>,
-    /// d of conjugate gradients (m), with a fourth number too, and its product with the Hessian (N).
-    direction: Vec<Vec3>,
+    gradients: TruncatedConjugateGradients,
+    /// A direction with a fourth number (m).
     padded: Vec<Padded>,
-    product: Vec<Vec3>,
     /// Directions found in this step.
     found: i32,
 }
 
 impl TruncatedNewton {
     pub(crate) fn new(vertex_count: usize) -> Self {
-        let zeros = vec![Vec3::zeros(); vertex_count];
         Self {
             inverses: vec![Mat3::zeros(); vertex_count],
-            residual: zeros.clone(),
-            solved: zeros.clone(),
-            direction: zeros.clone(),
+            gradients: TruncatedConjugateGradients::default(),
             padded: Vec::with_capacity(vertex_count),
-            product: zeros,
             found: 0,
         }
     }
@@ -86,57 +78,34 @@ impl TruncatedNewton {
         out: &mut [Vec3],
     ) -> u32 {
         self.linearize(objective, contacts, &point.positions);
-        out.fill(Vec3::zeros());
-        for (residual, gradient) in self.residual.iter_mut().zip(&point.gradient) {
-            *residual = -gradient;
-        }
         self.found += 1;
         let tightened = (self.found - LOOSE_DIRECTIONS).max(0);
         let tolerance = (LOOSE_TOLERANCE * TIGHTENING.powi(tightened)).max(TIGHTEST_TOLERANCE);
-        let (mut first, mut size) = (0.0, 0.0);
-        for solves in 1..=MAX_CG_ITERATIONS {
-            self.precondition(global);
-            let next = dot(&self.residual, &self.solved);
-            if solves == 1 {
-                first = next;
-                self.direction.copy_from_slice(&self.solved);
-            } else if next <= tolerance * tolerance * first {
-                return solves;
-            } else {
-                let ratio = next / size;
-                for (d, z) in self.direction.iter_mut().zip(&self.solved) {
-                    *d = z + *d * ratio;
-                }
-            }
-            size = next;
-            objective.multiply(&self.direction, &mut self.padded, &mut self.product);
-            contacts.add_product(&self.direction, &mut self.product);
-            let length = size / dot(&self.direction, &self.product);
-            // A gradient of zero.
-            if !length.is_finite() {
-                return solves;
-            }
-            add(out, length, &self.direction);
-            add(&mut self.residual, -length, &self.product);
-        }
-        MAX_CG_ITERATIONS
-    }
-
-    /// `(A⁻¹ + B⁻¹) r`, B the blocks on the diagonal.
-    fn precondition(&mut self, global: &mut GlobalSystem) {
-        global.solve(&self.residual, &mut self.solved);
-        let (inverses, residual) = (&self.inverses[..], &self.residual[..]);
-        map_reduce(
-            &mut self.solved[..],
-            #[inline(always)]
-            |start, solved: &mut [Vec3]| {
-                let terms = inverses[start..].iter().zip(&residual[start..]);
-                for (solved, (inverse, residual)) in solved.iter_mut().zip(terms) {
-                    *solved += inverse * residual;
-                }
-                []
-            },
-        );
+        let (objective, padded, inverses) = (&*objective, &mut self.padded, &self.inverses[..]);
+        let multiply = |d: &[Vec3], out: &mut [Vec3]| {
+            objective.multiply(d, padded, out);
+            contacts.add_product(d, out);
+        };
+        // A⁻¹ + B⁻¹, B the blocks on the diagonal.
+        let inverse = |r: &[Vec3], z: &mut [Vec3]| {
+            global.solve(r, z);
+            map_reduce(
+                z,
+                #[inline(always)]
+                |start, z: &mut [Vec3]| {
+                    let terms = inverses[start..].iter().zip(&r[start..]);
+                    for (z, (inverse, r)) in z.iter_mut().zip(terms) {
+                        *z += inverse * r;
+                    }
+                    []
+                },
+            );
+        };
+        let end = (tolerance, MAX_CG_ITERATIONS);
+        let solved = self
+            .gradients
+            .solve(end, multiply, inverse, &point.gradient, out);
+        solved.1 + 1
     }
 
     /// Takes the Hessian at x (m), and inverts the blocks on its diagonal.

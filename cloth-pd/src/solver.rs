@@ -362,7 +362,6 @@ impl PdSolver {
                     (false, _) => least,
                 };
                 if report.iterations >= first + least && self.is_near(part, gain) {
-                    report.unfinished = 0;
                     return Ok(Outcome::Converged);
                 }
             }

@@ -6,6 +6,7 @@
 //! | sparse Cholesky by blocks, `BlockCholesky` | `block_cholesky`, over `cholesky` |
 //! | conjugate gradients, [`ConjugateGradients`] | `conjugate_gradients` |
 //! | the same, preconditioned by a multigrid cycle, [`MultigridGradients`] | `multigrid_gradients` |
+//! | around any operator, and ended early, [`TruncatedConjugateGradients`] | `truncated` |
 //! | damped Jacobi, [`Jacobi`] | `jacobi` |
 //! | Jacobi with Chebyshev acceleration, [`ChebyshevJacobi`] | `chebyshev` |
 //! | Gauss–Seidel, [`GaussSeidel`] | `gauss_seidel` |
@@ -32,6 +33,7 @@ mod multigrid_gradients;
 mod quasidefinite;
 mod solver;
 mod spectrum;
+mod truncated;
 
 #[cfg(feature = "cholesky")]
 pub use block_cholesky::{BlockCholesky, upper_half};
@@ -50,3 +52,4 @@ pub use multigrid_gradients::MultigridGradients;
 pub use quasidefinite::QuasidefiniteLdlt;
 pub use solver::{LinearError, LinearMethod, LinearReport, LinearSolver, StoppingCriteria};
 pub use spectrum::{Spectrum, spectrum};
+pub use truncated::TruncatedConjugateGradients;

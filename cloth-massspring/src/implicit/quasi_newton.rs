@@ -5,12 +5,13 @@ use super::drift::Unconstrained;
 use super::global_terms::GlobalTerms;
 use super::line_search::Point;
 use super::stage::Stage;
-use super::truncated_newton::{Operator, TruncatedNewton};
+use super::truncated_newton::{CG_TOLERANCE, MAX_CG_ITERATIONS, Operator};
 use cloth_core::contact::{ContactPotential, ContactRow};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::{Assembly, Energies};
 use cloth_core::method::limited_memory::LimitedMemory;
+use cloth_core::method::linear::TruncatedConjugateGradients;
 use cloth_core::method::multigrid::Multigrid;
 use cloth_core::method::vectors::dot;
 use std::sync::Arc;
@@ -44,7 +45,7 @@ pub(super) struct QuasiNewton {
     /// The latter, none stiffer than a cycle can take.
     for_cycle: Vec<ContactRow>,
     global: GlobalTerms,
-    truncated_newton: TruncatedNewton,
+    truncated_newton: TruncatedConjugateGradients,
     work: Vec<Vec3>,
     /// Steps in this minimisation that were cut short.
     cut: u32,
@@ -65,7 +66,7 @@ impl QuasiNewton {
             contact_pairs: Vec::new(),
             for_cycle: Vec::new(),
             global: GlobalTerms::default(),
-            truncated_newton: TruncatedNewton::default(),
+            truncated_newton: TruncatedConjugateGradients::default(),
             work: vec![Vec3::zeros(); is_free.len()],
             multigrid: None,
             cut: 0,
@@ -193,7 +194,9 @@ impl QuasiNewton {
                 is_free: &self.is_free,
             };
             let method = &mut self.truncated_newton;
-            let (left, iterations) = method.solve(operator, inverse, gradient, out);
+            let end = (CG_TOLERANCE, MAX_CG_ITERATIONS);
+            let multiply = |p: &[Vec3], out: &mut [Vec3]| operator.apply(p, out);
+            let (left, iterations) = method.solve(end, multiply, inverse, gradient, out);
             return (dot(gradient, out), left, iterations);
         }
         let (history, work) = (&mut self.history, &mut self.work);

@@ -1,0 +1,107 @@
+//! Conjugate gradients that end early, around any operator and any preconditioner: the inner loop of truncated Newton
+//! methods (S. G. Nash, "A survey of truncated-Newton methods", J. Comput. Appl. Math. 124, 2000,
+//! <https://doi.org/10.1016/S0377-0427(00)00426-X>).
+
+use crate::math::{Real, Vec3};
+use crate::method::vectors::{add, dot};
+
+/// The working memory.
+#[derive(Debug, Default)]
+pub struct TruncatedConjugateGradients {
+    residual: Vec<Vec3>,
+    /// The preconditioned residual (m).
+    preconditioned: Vec<Vec3>,
+    direction: Vec<Vec3>,
+    product: Vec<Vec3>,
+}
+
+impl TruncatedConjugateGradients {
+    /// Writes `p = −H⁻¹ g` (m), nearly, to `out` for a gradient g (N), with `multiply` for products with H (N/m),
+    /// positive definite, and `inverse` near H⁻¹. It ends where the residual, in the norm of `inverse`, is `tolerance`
+    /// times the first, or after `most` iterations. Returns `rᵀ H⁻¹ r` (J) of the residual r that is left, nearly, and
+    /// the number of iterations: `gᵀ H⁻¹ g = −gᵀ p + rᵀ H⁻¹ r`.
+    pub fn solve(
+        &mut self,
+        (tolerance, most): (Real, u32),
+        mut multiply: impl FnMut(&[Vec3], &mut [Vec3]),
+        mut inverse: impl FnMut(&[Vec3], &mut [Vec3]),
+        gradient: &[Vec3],
+        out: &mut [Vec3],
+    ) -> (Real, u32) {
+        let lists = [
+            &mut self.residual,
+            &mut self.preconditioned,
+            &mut self.direction,
+            &mut self.product,
+        ];
+        for list in lists {
+            list.resize(gradient.len(), Vec3::zeros());
+        }
+        let pairs = self.residual.iter_mut().zip(gradient);
+        pairs.for_each(|(r, g)| *r = -g);
+        inverse(&self.residual, &mut self.preconditioned);
+        self.direction.copy_from_slice(&self.preconditioned);
+        out.fill(Vec3::zeros());
+        let first = dot(&self.residual, &self.preconditioned);
+        let mut size = first;
+        for iteration in 1..=most {
+            multiply(&self.direction, &mut self.product);
+            let length = size / dot(&self.direction, &self.product);
+            if !(length.is_finite() && length > 0.0) {
+                // A gradient of zero, or a matrix that rounding has made indefinite.
+                return (size, iteration);
+            }
+            add(out, length, &self.direction);
+            add(&mut self.residual, -length, &self.product);
+            inverse(&self.residual, &mut self.preconditioned);
+            let next = dot(&self.residual, &self.preconditioned);
+            if next <= tolerance * tolerance * first {
+                return (next, iteration);
+            }
+            let ratio = next / size;
+            size = next;
+            for (p, z) in self.direction.iter_mut().zip(&self.preconditioned) {
+                *p = z + *p * ratio;
+            }
+        }
+        (size, most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three different eigenvalues take three iterations; what is left, and what was found, make up `gᵀ H⁻¹ g`.
+    #[test]
+    fn the_direction_and_the_residual_make_up_the_decrement() {
+        let stiffness = [2.0, 3.0, 7.0];
+        let gradient: Vec<Vec3> = [1.0, -2.0, 0.5].map(|g| Vec3::new(g, 2.0 * g, -g)).into();
+        let multiply = |d: &[Vec3], out: &mut [Vec3]| {
+            let terms = out.iter_mut().zip(d).zip(stiffness);
+            terms.for_each(|((out, d), k)| *out = d * k);
+        };
+        let copy = |r: &[Vec3], z: &mut [Vec3]| z.copy_from_slice(r);
+        let squares = gradient.iter().zip(stiffness);
+        let whole: Real = squares.map(|(g, k)| g.norm_squared() / k).sum();
+        let mut solver = TruncatedConjugateGradients::default();
+        let mut out = vec![Vec3::zeros(); 3];
+        let (left, taken) = solver.solve((1e-12, 9), multiply, copy, &gradient, &mut out);
+        assert!(taken == 3 && left < 1e-24, "{taken} {left:e}");
+        for ((p, g), k) in out.iter().zip(&gradient).zip(stiffness) {
+            assert!((p * k + g).norm() < 1e-12, "{p} {g}");
+        }
+        assert!((-dot(&gradient, &out) - whole).abs() < 1e-12 * whole);
+        // With the exact inverse, one.
+        let exact = |r: &[Vec3], z: &mut [Vec3]| {
+            let terms = z.iter_mut().zip(r).zip(stiffness);
+            terms.for_each(|((z, r), k)| *z = r / k);
+        };
+        assert_eq!(
+            solver
+                .solve((1e-9, 9), multiply, exact, &gradient, &mut out)
+                .1,
+            1
+        );
+    }
+}
