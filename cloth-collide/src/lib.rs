@@ -30,10 +30,13 @@
 //!
 //! Both are one question: when does a moving polygon, of the differences of a vertex to the corners of a triangle or of
 //! the ends of two edges, contain the origin? [`ContinuousTest`] steps through time from one plane that has the polygon
-//! on one side to the next, and misses no contact. The textbook's way is the other one round: it looks for the times at
-//! which the four vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀ in those differences, and then for
-//! contact there. It is short and fast, and it misses what is in one plane all the time. `cloth-bench ccd` tells which
-//! method errs how often, on queries for which the answer is known exactly.
+//! on one side to the next, and misses no contact. The textbook method is the other one round: it looks for the times
+//! at which the four vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀ in those differences, and then
+//! for contact there. The differences are linear in t, so this is a cubic (Provot 1997): up to three times in [0, 1],
+//! at each of which barycentric weights tell a contact from a miss. It is short and fast. But a graze is a double root,
+//! which rounding splits or loses, and a tolerance that finds it reports passes as contacts (Wang et al. 2021); and
+//! what stays in one plane makes the cubic vanish. `cloth-bench ccd` tells which method errs how often, on queries for
+//! which the answer is known exactly.
 //!
 //! # Contact in the solve
 //!
@@ -44,7 +47,8 @@
 //! h/2, and no number is tuned for one of them. Since a potential cannot tell the sides of a sheet apart, a *filter*
 //! tests every displacement over the whole of its path. An iteration that minimises and finds no safe path stays where
 //! it is; a substep that projects has to end somewhere, and its *last resort* is vertices that stay where the step
-//! began, which is reported (`truncated_count`). So a step is either free of crossings or refused.
+//! began, which is reported (`truncated_count`). So a step is either free of crossings or refused:
+//! [`PotentialContacts`](potential::PotentialContacts) has what exactly is guaranteed.
 //!
 //! The naive loops are three examples, each compared with the crate: `examples/first_program.rs`, the vertices before a
 //! floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets; `examples/naive_sweep.rs`, sweeps over

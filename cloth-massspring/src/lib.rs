@@ -59,7 +59,7 @@
 //! But a force that is right at the start can carry a vertex past the equilibrium of its spring, and farther from it
 //! than before, until it is evaluated again. The next force is then larger, and so on: *overshoot*. A step of
 //! symplectic Euler must be shorter than `2/ω`, with ω the fastest oscillation of the cloth, which grows with stiffness
-//! and with fineness; for forward Euler no step is short enough.
+//! and with fineness; for forward Euler, undamped, no step is short enough.
 //!
 //! At the *end* of the step, the forces are those at positions not yet known:
 //!
@@ -76,9 +76,9 @@
 //! (`∇G = M(x − x̃)/Δt² − f(x)`: set it to zero and multiply by Δt² M⁻¹), and minimising has a measure of progress that
 //! solving equations lacks: G falls in every iteration whatever Δt, since a line search shortens steps where needed.
 //!
-//! The same minimisation, with another goal and another time in place of `x̃` and Δt, gives two integrators of *second*
-//! order: the implicit midpoint rule (half a step of implicit Euler, whose change is then added once more) and BDF2
-//! (the derivatives at the end from a parabola through three points in time).
+//! The same minimisation, with another predicted position and another time in place of `x̃` and Δt, gives two
+//! integrators of *second* order: the implicit midpoint rule (half a step of implicit Euler, whose change is then added
+//! once more) and BDF2 (the derivatives at the end from a parabola through three points in time).
 //!
 //! ```text
 //!                     base x_b, v_b                          τ        then
@@ -96,8 +96,9 @@
 //! the step.
 //!
 //! The minimisation can be cut short: one Newton step from `x[0]` without a line search is the implicit step of Baraff
-//! and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their (6),
-//! `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`.
+//! and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their (6)
+//! times M, `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`, with ∂f/∂v = 0: damping and drag come in by s and the
+//! third term.
 //!
 //! **The Hessian of a spring** decides how hard that is. With its unit vector `n = (x₀ − x₁)/l` and its length l,
 //! `∂l/∂x₀ = n` and `∂n/∂x₀ = (I − n nᵀ)/l`. So `E = ½ k (l − L)²` has
@@ -198,8 +199,10 @@
 //! `examples/first_program.rs` is implicit Euler as plain loops over arrays, by Newton's method with a dense matrix,
 //! and compares itself with [`ImplicitEuler`] (10⁻⁹ m apart at most, a test). Its `objective`, `derivatives`, `solve`
 //! and `step` are here `Stage::gradient_into`, `Stage::hessian_into`, `NewtonSystem` and `newton::iterate` with
-//! `line_search::search`; the clamped tension in `derivatives` is `Convexity::Clamp`. The loops over families that sum
-//! energies, gradients and matrices only apply the formula of [`cloth_core::energy::Spring`] to many elements at once.
+//! `line_search::search`; the clamped tension in `derivatives` is `Convexity::Clamp`. The hot loops are
+//! `Family::add_gradient` and its neighbours in `cloth-core/src/method/family.rs`: in chunks of vertices each element
+//! gathers its positions, applies its formula ([`cloth_core::energy::Spring`]), and adds to the vertices of its chunk.
+//! `Explicit::substep` (`explicit.rs`) and `Stage::gradient_into` call them.
 //!
 //! # The minimisation
 //!
@@ -294,7 +297,8 @@
 //! iterate is accepted that has gone through anything. So a step ends with all forces and inertia in balance. The
 //! energy is the sum of A ψ(d) over vertices before bodies, vertices before triangles of cloth, and pairs of edges,
 //! with the distance d (m) and the area A that each stands for: a third of the triangles at a vertex, half of that
-//! before cloth, the smaller third of two edges. With the thickness h (m) and the stiffness κ_c (Pa/m) of contact
+//! before cloth, the smaller third of two edges. With the thickness h (m; for edges half of it) and the stiffness κ_c
+//! (Pa/m) of contact
 //!
 //! ```text
 //! ψ = ½ κ_c (h − d)²                       from h/2 to h, pressure κ_c (h − d)
@@ -352,7 +356,7 @@
 //!
 //! | method | order | amplitude per step | angle per step | stable |
 //! |---|---|---|---|---|
-//! | [`ExplicitEuler`] | 1 | `√(1 + z²)` | `atan z` | never |
+//! | [`ExplicitEuler`] | 1 | `√(1 + z²)` | `atan z` | never (damped: `explicit.rs`) |
 //! | [`SymplecticEuler`] | 1 | 1 for `z < 2`, else `(z²/2 − 1) + √((z²/2 − 1)² − 1)` | `2 asin(z/2)` | `z < 2` |
 //! | [`ImplicitEuler`], also linearised | 1 | `1/√(1 + z²)` | `atan z` | always |
 //! | [`ImplicitMidpoint`] | 2 | 1 | `2 atan(z/2)` | always |
@@ -365,8 +369,8 @@
 //! (`a_chain_has_the_closed_form_of_its_length` in `tests/chapter/stability.rs`).
 //!
 //! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the
-//! mass, of a chain of 1 m) goes with Δt as follows (`cargo test --release -p cloth-massspring --features cholesky
-//! --test chapter swinging_chain -- --nocapture`).
+//! mass, of a chain of 1 m) goes with Δt as follows
+//! (`cargo test --release -p cloth-massspring --features cholesky --test chapter swinging_chain -- --nocapture`).
 //!
 //! | method | error at Δt = 2 ms | 1 ms | 0.5 ms | order |
 //! |---|---|---|---|---|
@@ -382,8 +386,8 @@
 //!   index, a vertex of no triangle, a mass that is not positive. Of elements made by hand only the numbers of their
 //!   vertices are, when they are given to a builder; a stiffness that is no number shows as [`StepError::NonFinite`].
 //! - **Building** is refused with a [`BuildError`]: a setting outside its range, settings that exclude each other
-//!   ([`Accept::Minimum`] without a factorisation), an element that names a vertex that does not exist, or one
-//!   twice (already by `energy`), a matrix too large for its indices.
+//!   ([`Accept::Minimum`] without a factorisation), an element that names a vertex that does not exist, or one twice
+//!   (already by `energy`), a matrix too large for its indices.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, if an input or the result is not
 //!   finite (the vertex is named), if an explicit step exceeds the stability limit or gains energy
 //!   ([`StabilityCheck`]), if no descent is possible, if a matrix is not positive definite that has to be
@@ -421,11 +425,11 @@
 //!
 //! An example of the first is in [`cloth_core::element`], one vertex with a row; of the second in
 //! [`ImplicitBuilder::energy`], three vertices with energy, gradient and a Hessian by every
-//! [`Convexity`](cloth_core::element::Convexity). Only blocks on and below the diagonal of a
-//! Hessian are read: it has to be symmetric. The tests of a new element are
-//! [`gradient_error`](cloth_core::check::gradient_error) and `hessian_error` away from rest, `smallest_eigenvalue` by
-//! `Clamp` and `Abs` and, as in `cloth-core/tests/support/element_checks.rs`, no force at rest, the same energy after a
-//! shift and a turn, forces and moments that add up to zero.
+//! [`Convexity`](cloth_core::element::Convexity). Only blocks on and below the diagonal of a Hessian are read: it has
+//! to be symmetric. The tests of a new element are [`gradient_error`](cloth_core::check::gradient_error) and
+//! `hessian_error` away from rest, `smallest_eigenvalue` by `Clamp` and `Abs` and, as in
+//! `cloth-core/tests/support/element_checks.rs`, no force at rest, the same energy after a shift and a turn, forces and
+//! moments that add up to zero.
 //!
 //! # Limits
 //!
@@ -469,14 +473,15 @@
 //!
 //! The tolerance is relative to the change of velocity that all forces but gravity and load make in a step. At very
 //! long steps that is about `g Δt`, and only 0 asks for equilibrium. Elsewhere halve Δt and the tolerance one at a
-//! time, and refine what changes the result more (`cloth-bench study decision` has tolerances of 10⁻² and 10⁻¹,
-//! `work-precision` step sizes).
+//! time, and refine what changes the result more (`cloth-bench study work-precision`).
 //!
 //! # Strain limits
 //! Soft ones are elements: [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
 //! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle) resist only what lies beyond their range, beside
-//! softer springs: a load f stretches one by f/k beyond its end. A hard limit is a projection after the step of any
-//! method, `WithStrainLimit` of the crate `cloth-pbd`.
+//! softer springs: a load f stretches one by f/k beyond its end. Provot (1995) shortens each spring beyond 10 % after
+//! the step, one after another; each correction stretches its neighbours, so that the result depends on the order, and
+//! many passes are needed (`StrainLimiter` of the crate `cloth-pbd`). A hard limit is a projection after the step of
+//! any method, `WithStrainLimit` of the crate `cloth-pbd`.
 //!
 //! # Costs
 //! Bytes a vertex, counted from the structs for springs and quadratic hinges on the alternating grid (3 of each a
@@ -495,9 +500,8 @@
 //! residual is taken in the forward sweep) and the pairs once; 7 of 30 take the Hessian anew. One of Newton's method
 //! has an assembly, a factorisation or more, and a solve. An explicit substep reads the elements once; the estimate of
 //! its limit is some products with the Hessian, every 256 substeps, with contacts in every step. Times by part:
-//! `cloth-bench study newton` (assembly, factorisation, solve, cycle) and `cargo bench -p benches --bench elements`
-//! (energy, gradient and Hessian of an element); whole steps of every integrator: `study convergence`; peak memory:
-//! `study scale`.
+//! `cloth-bench study newton`; of elements: `cargo bench -p benches --bench elements`; whole steps:
+//! `study convergence`; peak memory: `study scale`.
 //!
 //! A step of the hanging sheet of 64 × 64 vertices, median ms (2-core Intel Xeon VM, commit 3158c95,
 //! `cargo run --release -p cloth-bench -- run hang --n 64 --steps 30 --method M --threads 1`; the last two are implicit
@@ -507,16 +511,17 @@
 //! |---|---|---|---|---|---|---|
 //! | 25 | 32 | 17 | 76 (it blows up: 423 % of stretch) | 139 | 291 | 418 |
 //!
-//! Of the 25 ms 28 % are evaluations of G and its gradient, 26 % the multigrid cycle, 10 % the assembly of the Hessian,
-//! 9 % its restriction to the levels, and the rest L-BFGS and other work on vectors.
+//! Of the 25 ms 28 % are evaluations of G and ∇G, 26 % the multigrid cycle, 19 % the Hessian and its restriction.
 //!
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
 //!   2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`) takes 21 ms a
 //!   step on one thread by converged implicit Euler and 3.6 ms by projective dynamics with 10 iterations, for the same
-//!   fall (0.499 m) and stretch (1.2 %). Between them is [`ImplicitConfig::truncated`].
-//! - **Inextensible cloth.** Stiffness without bound makes κ grow; rigid links are constraints: take XPBD with zero
-//!   compliance.
+//!   fall (0.499 m) and stretch (1.2 %). Between them is [`ImplicitConfig::truncated`]. For springs that method is
+//!   "Fast simulation of mass-spring systems" (Liu et al. 2013): as `½ k (l − L)² = min ½ k ‖x₀ − x₁ − d‖²` over ‖d‖ =
+//!   L, the d are unknowns beside x; the local step is `d = L n`, the global step solves a constant matrix, and neither
+//!   raises G. It factorises again only for another Δt, k, mass or set of pins.
+//! - **Inextensible cloth.** Rigid links are constraints: take XPBD with zero compliance.
 //! - **Beside XPBD and IPC.** XPBD stops after its sweeps, whether they have converged or not. IPC (Li et al. 2020,
 //!   <https://doi.org/10.1145/3386569.3392425>) minimises such a G, with a barrier for contact, by Newton's method with
 //!   a factorisation in every iteration. The default does without: 25 ms against 291 above (both without contact).
@@ -537,9 +542,9 @@
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
 //!    `minimizer/linearized_step.rs`, `drift.rs`, `global_terms.rs` (volumes).
 //!
-//! A new integrator: see `implicit.rs`. Most claims of this page are tests in `tests/chapter` (`cargo test --release -p
-//! cloth-massspring --features cholesky --test chapter`), those on contact in `cloth-bench/tests/contract`; times and
-//! tables are `cloth-bench`'s.
+//! A new integrator: see `implicit.rs`. Most claims of this page are tests in `tests/chapter`
+//! (`cargo test --release -p cloth-massspring --features cholesky --test chapter`), those on contact in
+//! `cloth-bench/tests/contract`; times and tables are `cloth-bench`'s.
 //!
 //! # Features
 //! `parallel` (default): [rayon's threads](#threads). `cholesky`: the sparse factorisation, for Newton's method by it

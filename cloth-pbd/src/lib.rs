@@ -36,8 +36,8 @@
 //! length.
 //!
 //! # From a constraint to the projection
-//! **One constraint.** Of all corrections that bring C to zero, to first order, take the smallest in the metric
-//! of the masses: minimise `½ Σ mᵢ ‖Δxᵢ‖²` subject to `C + Σ ∂C/∂xᵢ·Δxᵢ = 0`. With a multiplier Δλ that is
+//! **One constraint.** Of all corrections that bring C to zero, to first order, take the smallest in the metric of the
+//! masses: minimise `½ Σ mᵢ ‖Δxᵢ‖²` subject to `C + Σ ∂C/∂xᵢ·Δxᵢ = 0`. With a multiplier Δλ that is
 //! `mᵢ Δxᵢ = ∂C/∂xᵢ Δλ`, and put into the constraint (Müller et al. 2007, section 3.3),
 //!
 //! ```text
@@ -92,13 +92,13 @@
 //!
 //! A row is one scalar C with its gradient; an element has one or more. It is the loop of Müller et al. 2007, section
 //! 3.1, without its damping; contact may change velocities at the end
-//! ([`change_velocities`](cloth_core::contact::ContactConstraints::change_velocities));
-//! `v + (x − x̃)/h` is their `(x − x⁰)/h`, rounded better.
-//! `examples/first_program.rs` is this box as plain loops over arrays, and compares itself with [`PbdSolver`].
+//! ([`change_velocities`](cloth_core::contact::ContactConstraints::change_velocities)); `v + (x − x̃)/h` is their
+//! `(x − x⁰)/h`, rounded better. `examples/first_program.rs` is this box as plain loops over arrays, and compares
+//! itself with [`PbdSolver`].
 //!
-//! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this
-//! takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state: a fresh solver
-//! continues a run with the same bits.
+//! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this takes is
+//! [`StepReport::pin_work`]. Nothing is carried from step to step but the state: a fresh solver continues a run with
+//! the same bits.
 //!
 //! **Stable?** Projecting onto a linear row with 0 ≤ s ≤ 1 takes x nearer, in `‖·‖_M`, to every point that meets it. So
 //! a step of one substep without forces from x⁰ with C(x⁰) = 0 gains no kinetic energy:
@@ -128,9 +128,9 @@
 //! way. Flat is no special case, since no arc cosine is differentiated. In a triangle of small height the gradient
 //! grows as its inverse, and the correction falls with it; a hinge with a triangle without area is left alone.
 //!
-//! Müller et al. 2007, appendix A, take `φ = arccos d` instead, d the product of the unit normals along
-//! e × (x₂ − x₀) and e × (x₃ − x₀). Then φ = π − |θ|, and `∂φ = −∂d/√(1 − d²)` is −sign(θ) ∂θ; but it is 0/0 where
-//! d = ±1, flat or folded up, and φ does not know up from down.
+//! Müller et al. 2007, appendix A, take `φ = arccos d` instead, d the product of the unit normals along e × (x₂ − x₀)
+//! and e × (x₃ − x₀). Then φ = π − |θ|, and `∂φ = −∂d/√(1 − d²)` is −sign(θ) ∂θ; but it is 0/0 where d = ±1, flat or
+//! folded up, and φ does not know up from down.
 //!
 //! *Which bending?* Isometric bending has `q = (c₁ + c₃, c₀ + c₂, −(c₀ + c₁), −(c₂ + c₃))` (dimensionless, sum 0), c₀
 //! and c₁ the cotangents at rest of the angles of triangle 0, 1, 2 at x₀ and x₁, c₂ and c₃ those of triangle 0, 1, 3; z
@@ -156,9 +156,9 @@
 //! | coarse levels: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ` | [`Hierarchy`], [`PbdSolver::with_hierarchy`] |
 //! | `σ_min ≤ σ ≤ σ_max` | [`StrainLimiter`], [`WithStrainLimit`] |
 //!
-//! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`; the other
-//! functions there are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves
-//! the gradient `d/l` undivided and computes `Δλ/l = −s C/(w̃ l)`, so that one division does for two.
+//! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`; the other functions there
+//! are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves the gradient `d/l`
+//! undivided and computes `Δλ/l = −s C/(w̃ l)`, so that one division does for two.
 //!
 //! **From the naive loop to the solver.** In `examples/first_program.rs`
 //!
@@ -243,9 +243,11 @@
 //! swept once per substep from its support, hangs with a mean strain of `ε = g h² (N − 1)/(2 l)`; so a wanted ε takes
 //! `Δt √(g (N − 1)/(2 l ε))` substeps at rest. A chain that falls at a speed v and is caught by its support is strained
 //! by up to v h/l more until it has come to rest (single links by 2 v h/l if every other one is visited first). n ≤ N
-//! iterations of one substep divide the sag by n or a little more, n substeps by n². "As many iterations as the mesh is
-//! wide", a popular rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material
-//! needs another method: see the limits.
+//! iterations of one substep divide the sag by n or a little more, n substeps by n²: at rest sweeps take back the g h²
+//! of a substep, n of them n times as much of a given strain, while n substeps make h² smaller by n² (for XPBD: Macklin
+//! et al. 2019, "Small steps"). Rounding alone bounds h: velocities err by 2⁻⁵² ‖x‖/h, 2e-11 m/s at 1 m and 10 µs. "As
+//! many iterations as the mesh is wide", a popular rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90
+//! % for N = 24. A soft material needs another method: see the limits.
 //!
 //! # Acceleration
 //! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω = 1 for the first sweeps, then
@@ -272,8 +274,8 @@
 //! ω or ρ that were right for an edge are wrong for corners; an estimate adapts. The hierarchy is at its best where the
 //! cloth hangs taut from long supports. A sheet that hangs flat by two corners is compressed between them, and a
 //! correction leaves links alone that are short when it begins. What one correction leaves (0.2 to 0.5 % by the edge;
-//! on another size it can be more than 1 %) decays as slowly as without it: on 64 × 64 vertices, 15 further sweeps to
-//! 1 %.
+//! on another size it can be more than 1 %) decays as slowly as without it: on 64 × 64 vertices, 15 further sweeps to 1
+//! %.
 //!
 //! # Which settings
 //! | scene | take |
@@ -306,21 +308,20 @@
 //! | area | 127, and the power | 1, 4 | 32 + 12 + 24 | 96; 72 |
 //! | bending by angle | not counted: an arc tangent, and the power | | 40 + 16 + 24 | 128; 96 |
 //!
-//! A row has 24 bytes, w̃, s and λ. Beside these an element has 4, its place in the input, and in Jacobi sweeps
-//! 28 N + 8 more; a vertex has 80, with Chebyshev 48 more, in contact 24. A spring makes 6.7 flops a ns and reads its
-//! 56 bytes at 12 GB/s; its root and its division count most, since the form with the gradient divided in between takes
-//! [twice as long](cloth_core::element::RowForm::Unit).
+//! A row has 24 bytes, w̃, s and λ. Beside these an element has 4, its place in the input, and in Jacobi sweeps 28 N +
+//! 8 more; a vertex has 80, with Chebyshev 48 more, in contact 24. A spring makes 6.7 flops a ns and reads its 56 bytes
+//! at 12 GB/s; its root and its division count most, since the form with the gradient divided in between takes [twice
+//! as long](cloth_core::element::RowForm::Unit).
 //!
 //! The options, by the [table above](#acceleration): a sweep of springs takes 0.22 ms coloured, 0.18 in averaged Jacobi
 //! (0.22 with Chebyshev), 0.51 to 0.56 symmetric with Chebyshev; a correction by the hierarchy, repeated, 2.4 ms or 11
 //! sweeps. A long-range attachment is one more row.
 //!
-//! *Contact and self-contact.* No time is recorded for PBD. For XPBD contact is 56 % of a step of 209 ms, 43 % in
-//! `begin_substep` and 13 % in `end_substep` (`perf`, 2-core Intel Xeon VM, commit 3158c95), in
-//! `cloth-bench/scenes/ball.toml`: 64 × 64 vertices fall on a ball and touch themselves. PBD makes the same two calls
-//! in each of its substeps. `cargo run --release -p cloth-bench -- run cloth-bench/scenes/ball.toml --method pbd`
-//! prints `contact_ms_median` beside `ms_per_step_median`; the scene `hang` does not measure it, since nothing touches
-//! there.
+//! *Contact and self-contact.* By the table of the README a step on the ball takes PBD 56 ms. For XPBD contact is 56 %
+//! of a step of 209 ms, 43 % in `begin_substep` and 13 % in `end_substep` (`perf`, 2-core Intel Xeon VM, commit
+//! 3158c95), in `cloth-bench/scenes/ball.toml`: 64 × 64 vertices fall on a ball and touch themselves. PBD makes the
+//! same two calls in each of its substeps. `cloth-bench run cloth-bench/scenes/ball.toml --method pbd` prints
+//! `contact_ms_median`.
 //!
 //! # Strain limiting
 //! For the end of a step of *any* method: [`WithStrainLimit`] follows each step by projections onto ranges of lengths,
@@ -392,9 +393,9 @@
 //!   over that number, is the curve of convergence.
 //!
 //! # Add an element
-//! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives
-//! the rows. The solver takes it as it takes ours; colours, threads and acceleration follow. For an
-//! inequality φ(x) ≥ 0 give the value min(φ, 0), and a zero gradient where φ > 0. (XPBD needs
+//! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives the
+//! rows. The solver takes it as it takes ours; colours, threads and acceleration follow. For an inequality φ(x) ≥ 0
+//! give the value min(φ, 0), and a zero gradient where φ > 0. (XPBD needs
 //! [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows) too, to take a multiplier back.) N is fixed when
 //! the element is compiled: a constraint on all vertices, as the volume of a balloon, is none; that one is
 //! [`ClosedVolume`](cloth_core::enclosure::ClosedVolume), and comes in by the hook of contact.
@@ -465,14 +466,14 @@
 //! # Limits
 //! - **The material is met by one constraint alone.** Constraints that share vertices spoil each other's corrections,
 //!   and then the rule gives cloth *softer* than its k, the more so the larger `k h² w̃` and the longer the chain: two
-//!   springs in a row of k = 100 N/m, 10 g a vertex, h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 84 times
-//!   with 20 iterations, 252 with one (2.9 and 3.5 at 1 kg a vertex). By hand: N springs and equal masses m, swept once
-//!   a substep from the support, sag `1 + (k h²/m)(N − 1)/(N + 1)` times too far, 1.926 for the two. More iterations do
+//!   springs in a row of k = 100 N/m, 10 g a vertex, h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 84 times with
+//!   20 iterations, 252 with one (2.9 and 3.5 at 1 kg a vertex). By hand: N springs and equal masses m, swept once a
+//!   substep from the support, sag `1 + (k h²/m)(N − 1)/(N + 1)` times too far, 1.926 for the two. More iterations do
 //!   not cure it: each then corrects less, and the whole tends to a limit. For n fixed and h → 0, `s ≈ k h² w̃/n`, and
 //!   n visits move by `−h² w k C ∂C`: the explicit force at x̃. The method then converges to the material with order 1,
 //!   where `k h² w̃ ≪ 1` for every row; there symplectic Euler is cheaper.
-//! - **With [`StiffnessRule::Fixed`] the stiffness depends on the iterations**: it grows with each of them and
-//!   with each smaller step, without bound, and no number of iterations is the right one.
+//! - **With [`StiffnessRule::Fixed`] the stiffness depends on the iterations**: it grows with each of them and with
+//!   each smaller step, without bound, and no number of iterations is the right one.
 //! - A finer mesh needs more iterations: for a straight chain of N rigid links one sweep leaves `cos²(π/2N)` of the
 //!   error, and about `1 − m/((N − 1) M)` where a mass M ≫ N m hangs at the end of links with masses m
 //!   ([why](PbdConfig#how-fast-sweeps-converge)). At rest a rigid chain of N links of equal mass, swept once per
@@ -480,21 +481,21 @@
 //! - Averaged Jacobi is slow: with springs alone six or eight constraints meet at a vertex, with hinges more, and each
 //!   makes a sixth, an eighth or less of its correction. Without averaging it diverges there. It is meant to be
 //!   extrapolated.
-//! - Chebyshev pays with many sweeps (below ten it has hardly begun), and makes a material of finite k stiffer
-//!   than the same number of plain sweeps: [`StiffnessRule::Material`] counts plain ones. An accelerated
-//!   Gauss–Seidel sweep is symmetric, forward and backward, at twice the work. Where extrapolation makes
-//!   corrections grow, it is disabled until the next substep.
+//! - Chebyshev pays with many sweeps (below ten it has hardly begun), and makes a material of finite k stiffer than the
+//!   same number of plain sweeps: [`StiffnessRule::Material`] counts plain ones. An accelerated Gauss–Seidel sweep is
+//!   symmetric, forward and backward, at twice the work. Where extrapolation makes corrections grow, it is disabled
+//!   until the next substep.
 //! - The hierarchy, too, makes cloth stiff whatever its k: see [`Hierarchy`].
-//! - It is not the minimiser of implicit Euler, at any number of iterations: the iteration with a fixed s > 0
-//!   tends to C = 0, whatever k.
-//! - Linear momentum is conserved to round-off in free flight. Angular momentum is not: each correction has no
-//!   moment about the positions at its visit, but the lever arms turn during the step. The loss is of order h,
-//!   as in implicit Euler. Kinetic energy is lost too, of order h. Pins, soft pins and contact with obstacles change
-//!   both momenta; a [`Hierarchy`] and extrapolation keep the linear one.
-//! - Its forces are not those of the material. A row pushes with `ΣΔλ/h²`, summed over its visits in a substep,
-//!   and so do prescribed vertices that move: their work is that of these forces. The elastic energy `½ Σ k C²` of the
-//!   stretch that sweeps leave is not conserved by anything here, and may be thousands of times the work that was done.
-//!   PBD does not turn it into motion; contact, a strain limit, or another method that continues the run may.
+//! - It is not the minimiser of implicit Euler, at any number of iterations: the iteration with a fixed s > 0 tends to
+//!   C = 0, whatever k.
+//! - Linear momentum is conserved to round-off in free flight. Angular momentum is not: each correction has no moment
+//!   about the positions at its visit, but the lever arms turn during the step. The loss is of order h, as in implicit
+//!   Euler. Kinetic energy is lost too, of order h. Pins, soft pins and contact with obstacles change both momenta; a
+//!   [`Hierarchy`] and extrapolation keep the linear one.
+//! - Its forces are not those of the material. A row pushes with `ΣΔλ/h²`, summed over its visits in a substep, and so
+//!   do prescribed vertices that move: their work is that of these forces. The elastic energy `½ Σ k C²` of the stretch
+//!   that sweeps leave is not conserved by anything here, and may be thousands of times the work that was done. PBD
+//!   does not turn it into motion; contact, a strain limit, or another method that continues the run may.
 //! - There is no damping but the [method's own](#the-step). That of Müller et al. 2007, section 3.5, which leaves the
 //!   rigid motion as it is, is not offered; scale velocities between steps for more. No speed is clamped either.
 //! - Isotropic materials only: no element has moduli of its own along warp and weft.
@@ -502,8 +503,8 @@
 //!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].
 //!
 //! # When not to use this method
-//! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60
-//! s; 2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`):
+//! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
+//! 2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`):
 //!
 //! | method | ms per step | fall of the centre of mass | largest stretch |
 //! |---|---|---|---|
@@ -530,8 +531,8 @@
 //! 4. `hierarchy.rs`, with `tether.rs` (the row of a coarse link) and `level.rs`.
 //! 5. `strain_limit.rs`, with `limit.rs` (one element), `components.rs` (angular momentum), `with_strain_limit.rs`.
 //!
-//! Most claims of this page are tests in `tests/all/chapter.rs`; those on the hierarchy, strain
-//! limits, input and prescribed vertices are in the files beside it. Times and tables are `cloth-bench`'s.
+//! Most claims of this page are tests in `tests/all/chapter.rs`; those on the hierarchy, strain limits, input and
+//! prescribed vertices are in the files beside it. Times and tables are `cloth-bench`'s.
 //!
 //! # Differences from the papers
 //! - Müller et al. 2007: s from k, h and w̃ ([soft constraints](#from-a-constraint-to-the-projection)) in place of
@@ -542,9 +543,9 @@
 //! - Wang et al. 2010: one level; the [`StrainLimiter`] restores angular momentum.
 //!
 //! # References
-//! - M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image
-//!   Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>. Its `s = 1 − (1 − k)^(1/n)` leaves
-//!   `1 − k` of a violation after n visits, whatever n; the rule here adds h and w̃.
+//! - M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image Represent.
+//!   18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>. Its `s = 1 − (1 − k)^(1/n)` leaves `1 − k` of a
+//!   violation after n visits, whatever n; the rule here adds h and w̃.
 //! - M. Macklin, M. Müller, N. Chentanez, "XPBD: position-based simulation of compliant constrained dynamics", Motion
 //!   in Games 2016, <https://doi.org/10.1145/2994258.2994272>: the multipliers that soft rows need.
 //! - E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
@@ -554,20 +555,20 @@
 //! - M. Kelager, S. Niebe, K. Erleben, "A triangle bending constraint model for position-based dynamics", VRIPHYS 2010,
 //!   <https://doi.org/10.2312/PE/vriphys/vriphys10/031-037>.
 //! - T. Jakobsen, "Advanced character physics", Game Developers Conference 2001: the distance projection.
-//! - J. Bender, M. Müller, M. A. Otaduy, M. Teschner, M. Macklin, "A survey on position-based simulation
-//!   methods in computer graphics", Comput. Graph. Forum 33(6), 2014, <https://doi.org/10.1111/cgf.12346>.
-//! - H. Wang, "A Chebyshev semi-iterative approach for accelerating projective and position-based dynamics",
-//!   ACM Trans. Graph. 34(6), 2015, <https://doi.org/10.1145/2816795.2818063>.
+//! - J. Bender, M. Müller, M. A. Otaduy, M. Teschner, M. Macklin, "A survey on position-based simulation methods in
+//!   computer graphics", Comput. Graph. Forum 33(6), 2014, <https://doi.org/10.1111/cgf.12346>.
+//! - H. Wang, "A Chebyshev semi-iterative approach for accelerating projective and position-based dynamics", ACM Trans.
+//!   Graph. 34(6), 2015, <https://doi.org/10.1145/2816795.2818063>.
 //! - D. Young, "Iterative methods for solving partial difference equations of elliptic type", Trans. Amer. Math. Soc.
 //!   76(1), 1954, <https://doi.org/10.1090/S0002-9947-1954-0059635-7>: Gauss–Seidel against Jacobi, the best ω.
 //! - M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008,
-//!   <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>. Here links are as long as the geodesic over the cloth,
-//!   and do not let each other become shorter.
+//!   <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>. Here links are as long as the geodesic over the cloth, and
+//!   do not let each other become shorter.
 //! - T.-Y. Kim, N. Chentanez, M. Müller, "Long range attachments: a method to simulate inextensible clothing in
 //!   computer games", SCA 2012, <https://doi.org/10.2312/SCA/SCA12/305-310>.
-//! - H. Wang, J. O'Brien, R. Ramamoorthi, "Multi-resolution isotropic strain limiting", ACM Trans. Graph.
-//!   29(6), 2010, <https://doi.org/10.1145/1882261.1866182>; X. Provot, "Deformation constraints in a
-//!   mass-spring model to describe rigid cloth behavior", Graphics Interface 1995.
+//! - H. Wang, J. O'Brien, R. Ramamoorthi, "Multi-resolution isotropic strain limiting", ACM Trans. Graph. 29(6), 2010,
+//!   <https://doi.org/10.1145/1882261.1866182>; X. Provot, "Deformation constraints in a mass-spring model to describe
+//!   rigid cloth behavior", Graphics Interface 1995.
 
 #![forbid(unsafe_code)]
 

@@ -45,8 +45,8 @@
 //!
 //! Newton's method needs a new matrix in every iteration for that, because the Hessian of a spring turns with the
 //! spring. Projective dynamics writes the energy of an element as the squared distance from `z = S x` to a set of
-//! zero-energy configurations instead (S is the element's constant linear map, for a spring the difference of its
-//! ends; in Bouaziz's `½ w ‖AᵢSᵢx − Bᵢpᵢ‖²` our S is `AᵢSᵢ` and our p is `Bᵢpᵢ`),
+//! zero-energy configurations instead (S is the element's constant linear map, for a spring the difference of its ends;
+//! in Bouaziz's `½ w ‖AᵢSᵢx − Bᵢpᵢ‖²` our S is `AᵢSᵢ` and our p is `Bᵢpᵢ`),
 //!
 //! `E(x) = min over p in the set of ½ w ‖S x − p‖²`,
 //!
@@ -82,17 +82,20 @@
 //! | attachment ([`Attachment`](cloth_core::energy::Attachment)), soft pin ([`SoftPin`](cloth_core::energy::SoftPin)) | x | its target | k |
 //!
 //! p is unique and continuous in z where z ≠ 0 (spring, curved hinge) and where F has rank 2 (triangle). Elsewhere it
-//! jumps, unless the least length is 0, and any of the nearest p will do: E itself is continuous, and the bound below
-//! holds for each of them. `local.rs` has why U clamp(Σ) Vᵀ is nearest, and the singular values in closed form, with
-//! degenerate and inverted triangles. The bᵢ (1/m) are the gradients of the linear hat functions at rest.
+//! jumps, unless the least length is 0, and any of the nearest p will do: E itself is continuous, and the bound from
+//! above, `G(x⁺) ≤ Q(x⁺)` of `objective.rs`, holds for each of them. `local.rs` has why U clamp(Σ) Vᵀ is nearest, and
+//! the singular values in closed form, with degenerate and inverted triangles. The bᵢ (1/m) are the gradients of the
+//! linear hat functions at rest.
 //!
 //! With the edge x₀ x₁, the tips x₂ and x₃, and the angles at rest θ₀, θ₁ of the first triangle and θ₂, θ₃ of the other
 //! at x₀ and x₁, a hinge has `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, so that
 //! ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its fold θ without stretch; D is the bending rigidity (N m), A₀
 //! and A₁ are the areas of its triangles. For small θ a flat hinge stores ½ D e² θ²/(A₀ + A₁). A cylinder of curvature
 //! κ then stores ½ D κ² per area on equilateral triangles, and on the alternating grid along its lines; 1½ times that
-//! along its diagonals. A hinge curved at rest compares lengths only, so a fold by θ₀ to the wrong side costs nothing
-//! either.
+//! along its diagonals. q is the row K₀ of Bergou et al. (2006): Σ qᵢ xᵢ vanishes for every flat hinge. As q is
+//! constant and p = 0, the energy is quadratic, and its Hessian w qᵀq constant. That is bending as long as edges keep
+//! their lengths (isometric deformation); a stretched fold feels the stretch too. A hinge curved at rest compares
+//! lengths only, so a fold by θ₀ to the wrong side costs nothing either.
 //!
 //! Both steps minimise, so `G` falls in every iteration with the whole matrix, from any start, without a line search:
 //! the frozen p bound the energy from above and touch it at x (majorise and minimise; `objective.rs` has by how much,
@@ -103,19 +106,20 @@
 //! `∇E = Σ w Sᵀ(S x − p)`,  `∇²E = Σ w Sᵀ(I − ∂p/∂z) S`.
 //!
 //! A has I in the place of I − ∂p/∂z. Less `A x` on both sides the global step is `A (x⁺ − x) = −∇G(x)`: Newton's
-//! method with A for the Hessian and steps of length 1 (Liu et al. 2017). A is never below the Hessian, as ∂p/∂z has
-//! no negative eigenvalue. Proof: `½ ‖z − p‖² = ½ ‖z‖² − (p·z − ½ ‖p‖²)`, so the nearest p is the one in the set for
-//! which `p·z − ½ ‖p‖²` is largest. For a fixed p that is linear in z, and the largest of linear functions is convex:
-//! call it φ(z). Its gradient is the p that makes it largest, so ∂p/∂z = ∇²φ, the Hessian of a convex function.
+//! method with A for the Hessian and steps of length 1 (Liu et al. 2017). A is never below the Hessian, as ∂p/∂z has no
+//! negative eigenvalue. Proof: `½ ‖z − p‖² = ½ ‖z‖² − (p·z − ½ ‖p‖²)`, so the nearest p is the one in the set for which
+//! `p·z − ½ ‖p‖²` is largest. For a fixed p that is linear in z, and the largest of linear functions is convex: call it
+//! φ(z). Its gradient is the p that makes it largest, so ∂p/∂z = ∇²φ, the Hessian of a convex function.
 //!
 //! # What the constant matrix loses, and how it is won back
-//! A is as stiff across a spring as along it, but a spring resists only along. Near the minimum an iteration turns the
-//! error e into `e⁺ = (I − A⁻¹ ∇²G) e`. Motions that turn springs without stretching them, as falling and folding do,
-//! have little more than `m/Δt²` a vertex in ∇²G, but `m/Δt² + κ` in A, κ their stiffness in `Σ w SᵀS`. Of an error of
-//! that kind an iteration therefore leaves the fraction `1 − (m/Δt²)/(m/Δt² + κ) = κ/(m/Δt² + κ)`. On the alternating
-//! grid of spacing h a wave of wave number ξ has `κ ≈ 2 k (ξ h)²` a vertex, and `m = ρ h²` for an areal density ρ:
-//! `κ Δt²/m = 2 k ξ² Δt²/ρ` does not depend on h. For the sheet below the factor is 0.9991 for a wave of 1 m and 0.9995
-//! for one of 0.74 m. Truncated early, the sheet falls too slowly. Three accelerations use the same matrix:
+//! A is as stiff across a spring as along it, but across a spring near its rest length there is only k (1 − L/‖z‖).
+//! Near the minimum an iteration turns the error e into `e⁺ = (I − A⁻¹ ∇²G) e`. Motions that turn springs without
+//! stretching them, as falling and folding do, have little more than `m/Δt²` a vertex in ∇²G, but `m/Δt² + κ` in A, κ
+//! their stiffness in `Σ w SᵀS`. Of an error of that kind an iteration therefore leaves the fraction
+//! `1 − (m/Δt²)/(m/Δt² + κ) = κ/(m/Δt² + κ)`. On the alternating grid of spacing h a wave of wave number ξ has
+//! `κ ≈ 2 k (ξ h)²` a vertex, and `m = σ h²` for an areal density σ: `κ Δt²/m = 2 k ξ² Δt²/σ` does not depend on h. For
+//! the sheet below the factor is 0.9991 for a wave of 1 m and 0.9995 for one of 0.74 m. Truncated early, the sheet
+//! falls too slowly. Three accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
 //!   spectral radius ρ of the plain iteration. We keep `G` in view: where it would not fall, the plain iterate is taken
@@ -136,10 +140,10 @@
 //! safeguard in the place of the line search; and Jacobi's method or conjugate gradients in the place of the factor,
 //! which one would want on a GPU, where triangular solves wait, and where the factor does not fit into the memory.
 //!
-//! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add
-//! less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and
-//! the factor has less than half as many numbers without (at 128 vertices a side 0.5 million and not 1.3). The plain
-//! and the Chebyshev iteration have the whole matrix.
+//! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add less
+//! than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the
+//! factor has less than half as many numbers without (at 128 vertices a side 0.5 million and not 1.3). The plain and
+//! the Chebyshev iteration have the whole matrix.
 //!
 //! A sheet of 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, 128 vertices a side, held at two corners and let go
 //! horizontally, falls 0.4989 m (centre of mass) in half a second at Δt = 1/60 s and is stretched by 2.46 % at most, as
@@ -167,9 +171,11 @@
 //!
 //! The global step is often printed for x itself; for the displacement q (not the qᵢ of a hinge) it is the same
 //! equation. Neither positions nor predictions are subtracted, so free fall loses no digits, and a step so long that
-//! `M/Δt²` is rounded away ends where the held cloth is at rest. A prescribed vertex has q = u from the start, and no
-//! row and column in A (in the code those of the identity, so that a release does not change the pattern). `Σ w SᵀS` is
-//! positive semi-definite for weights ≥ 0, and M makes A positive definite.
+//! `M/Δt²` is rounded away ends where the held cloth is at rest. A prescribed vertex has q = u from the start, so its
+//! increment d is 0: its column of A multiplies a zero, its row is not asked for, and both are left out (in the code
+//! they are those of the identity, so that a release keeps the pattern). What it does to its neighbours is in g,
+//! evaluated with the vertex at its new place. For x itself the column would be needed. `Σ w SᵀS` is positive
+//! semi-definite for weights ≥ 0, and M makes A positive definite.
 //!
 //! | equation | where |
 //! |---|---|
@@ -254,9 +260,9 @@
 //! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve by the
 //! identity of Woodbury, of rank r: 1 for a vertex that is grabbed and for an attachment, 2 for one that is released, a
 //! row of S each for an element that is removed. To set that up takes r/3 solves, which cost as much as a factorisation
-//! at r = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation
-//! when as much has been spent on it. A dragged pin or attachment changes no matrix; a pin or an element that comes or
-//! goes takes a coarse grid anew.
+//! at r = 36 to 51 for 32 to 512 vertices a side with bending in the matrix, at 27 for 128 without; and as it slows
+//! down every solve, it is given up for a factorisation when as much has been spent on it. A dragged pin or attachment
+//! changes no matrix; a pin or an element that comes or goes takes a coarse grid anew.
 //!
 //! # Contact
 //! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
@@ -288,15 +294,15 @@
 //!   (`quasi_newton.rs`). Without it, a handkerchief on the corner of a table (`cloth-bench/scenes/handkerchief.toml`)
 //!   gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J that it was given, and a step took seven times as
 //!   long; with it, nothing beyond those (commit 9374ec2).
-//! - **A step goes on until it is near enough**, as it does without contact: for 8 iterations, unless forces balance
-//!   to 10⁻³ before, and until what the iteration still has to move is a tenth of what forces have moved
+//! - **A step goes on until it is near enough**, as it does without contact: for 8 iterations, unless forces balance to
+//!   10⁻³ before, and until what the iteration still has to move is a tenth of what forces have moved
 //!   ([`PdConfig::velocity_tolerance`]), or up to [`PdConfig::most_iterations`]. A ribbon that folds down on itself
 //!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a towel without friction
 //!   slides off its rail. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
-//! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps.
-//! A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.014 to 0.019 J with implicit
-//! Euler, with ten iterations a step 0.36 J, here 0.034 J.
+//! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps. A
+//! towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.014 to 0.019 J with implicit Euler,
+//! with ten iterations a step 0.36 J, here 0.034 J.
 //!
 //! So every accepted iterate, and the straight path from one to the next, is free of intersections. A sheet with 64
 //! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m (`cloth-bench/scenes/ball.toml`) is
@@ -413,10 +419,12 @@
 //! # Limits
 //! - There is no Rayleigh or strain-rate damping, only that of implicit Euler, which divides the energy of a mode of
 //!   angular frequency ω by `1 + (ω Δt)²` in a step: a swing of 1 s loses half of it in 1.06 s at Δt = 1/60 s, in 4.2 s
-//!   at 1/240. For more, scale the velocities between steps, or hand drag over as a load ([`cloth_core::air`]).
-//! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon
-//!   reached and says little: plain, truncated there, the sheet above floats. Check the fall beside the stretch before
-//!   choosing a number of iterations.
+//!   at 1/240. For more, scale the velocities between steps, or hand over the air, `StepInput::air`: quasi-Newton
+//!   iterations have `½ Δt (v − v₀)ᵀ D (v − v₀)` in G, plain and Chebyshev iterations without contact take its force at
+//!   the start of the step ([`cloth_core::air`]).
+//! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon reached and says
+//!   little: plain, truncated there, the sheet above floats. Check the fall beside the stretch before choosing a number
+//!   of iterations.
 //! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Ten (with a coarse
 //!   grid of 12 cells, as `cloth-bench` takes it; the builder lays none by itself) follow the first half second of the
 //!   hanging sheet closely; over five seconds its swinging dies away sooner than it should, and a sheet of 0.3 m, light
@@ -448,8 +456,8 @@
 //!   safeguard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from
 //!   any start (in a point, on a line, mirrored, random, blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
-//!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, an error of 10⁻²
-//!   takes 32 iterations with it and 7 without any acceleration.
+//!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, an error of 10⁻² takes
+//!   32 iterations with it and 7 without any acceleration.
 //! - Where it converges to is a stationary point of `G`, the solution of implicit Euler, with the numerical damping of
 //!   that. Where `G` has several (compressed cloth), which of them depends on the path.
 //! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing
@@ -463,8 +471,8 @@
 //! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
 //! - A matrix in which elimination cancels all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m`
-//!   above some 10¹²) is reported as [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite), and
-//!   not used.
+//!   above some 10¹²) is reported as [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite), and not
+//!   used.
 //! - The residual compares with `‖∇G(x̃)‖`, in contact with `‖∇C(x)‖` if that is larger. Where that is rounding alone,
 //!   as for a cloth in free fall, no tolerance is met and all iterations are spent, without harm.
 //!
@@ -509,11 +517,7 @@
 //! error does not become small, though: for 1.7 times the time of its best setting the energy is right and the folds
 //! are bent rather than compressed.
 //!
-//! In contact a step takes more iterations, so these times do not hold there; `cloth-bench study decision` has a table
-//! with contact.
-//!
-//! What truncation does to other iterations of implicit Euler is said at `ImplicitConfig::truncated` of
-//! `cloth-massspring`.
+//! In contact these times do not hold; `cloth-bench study decision` has a table with contact.
 //!
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method. `examples/hanging.rs`: iterations against the minimum of `G`
@@ -528,37 +532,37 @@
 //! 5. `chebyshev.rs`, `quasi_newton.rs`, `coarse.rs` with `lattice.rs`: the accelerations.
 //! 6. `contact.rs`, `newton.rs`; `components.rs`: momentum of what nothing holds; `pin_work.rs`.
 //!
-//! `tests/chapter` tests the claims of this page. A step that can be followed by hand is
-//! `one_spring_ends_at_implicit_euler_in_closed_form` in its `minimum.rs`.
+//! `tests/chapter` tests the claims of this page; its `main.rs` has a table of them. A step that can be followed by
+//! hand is `one_spring_ends_at_implicit_euler_in_closed_form` in its `minimum.rs`.
 //!
 //! # References
+//! - M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
+//!   SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>: the quadratic hinge.
 //! - S. Bouaziz, S. Martin, T. Liu, L. Kavan, M. Pauly, "Projective dynamics: fusing constraint projections for fast
 //!   simulation", ACM Trans. Graph. 33(4), 154, 2014, <https://doi.org/10.1145/2601097.2601116>.
-//! - T. Liu, A. W. Bargteil, J. F. O'Brien, L. Kavan, "Fast simulation of mass-spring systems", ACM Trans. Graph.
-//!   32(6), 214, 2013, <https://doi.org/10.1145/2508363.2508406>.
+//! - T. Liu et al., "Fast simulation of mass-spring systems", ACM TOG 32(6), 2013,
+//!   <https://doi.org/10.1145/2508363.2508406>.
 //! - H. Wang, "A Chebyshev semi-iterative approach for accelerating projective and position-based dynamics", ACM Trans.
 //!   Graph. 34(6), 246, 2015, <https://doi.org/10.1145/2816795.2818063>.
 //! - T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time simulation of hyperelastic materials", ACM
 //!   Trans. Graph. 36(3), 23, 2017, <https://doi.org/10.1145/2990496>.
 //! - M. Ly, J. Jouve, L. Boissieux, F. Bertails-Descoubes, "Projective dynamics with dry frictional contact", ACM
 //!   Trans. Graph. 39(4), 57, 2020, <https://doi.org/10.1145/3386569.3392396>: another way to contact.
-//! - R. A. Nicolaides, "Deflation of conjugate gradients with applications to boundary value problems", SIAM J. Numer.
-//!   Anal. 24(2), 1987, <https://doi.org/10.1137/0724027>; M. Dryja, O. B. Widlund, "An additive variant of the Schwarz
-//!   alternating method for the case of many subregions", report 339, New York University, 1987: coarse spaces.
+//! - R. A. Nicolaides, "Deflation of conjugate gradients", SIAM J. Numer. Anal. 24(2), 1987,
+//!   <https://doi.org/10.1137/0724027>; M. Dryja, O. B. Widlund, "An additive variant of the Schwarz alternating method
+//!   for the case of many subregions", report 339, New York University, 1987: coarse spaces.
 //! - B. Wu, Z. Wang, H. Wang, "A GPU-based multilevel additive Schwarz preconditioner for cloth and deformable body
 //!   simulation", ACM Trans. Graph. 41(4), 63, 2022, <https://doi.org/10.1145/3528223.3530085>; L. Lan et al.,
 //!   "Efficient GPU cloth simulation with non-distance barriers and subspace reuse", ACM Trans. Graph. 43(6), 2024,
 //!   <https://arxiv.org/abs/2403.19272>.
-//! - Y. Peng, B. Deng, J. Zhang, F. Geng, W. Qin, L. Liu, "Anderson acceleration for geometry optimization and physics
-//!   simulation", ACM Trans. Graph. 37(4), 42, 2018, <https://doi.org/10.1145/3197517.3201290>.
+//! - Y. Peng et al., "Anderson acceleration", ACM Trans. Graph. 37(4), 42, 2018, <https://doi.org/10.1145/3197517.3201290>.
 //! - M. Li et al., "Incremental potential contact", ACM Trans. Graph. 39(4), 49, 2020,
 //!   <https://doi.org/10.1145/3386569.3392425>: lagged friction.
-//! - L. Wu, B. Wu, Y. Yang, H. Wang, "A safe and fast repulsion method for GPU-based cloth self collisions", ACM Trans.
-//!   Graph. 40(1), 2020, <https://doi.org/10.1145/3430025>: bounds of their own for vertices.
-//! - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang, C. Yuksel, "Offset geometric contact", ACM Trans. Graph. 44(4),
-//!   2025, <https://doi.org/10.1145/3731205>: the same, in a solver.
-//! - J. Nocedal, S. J. Wright, *Numerical optimization*, 2nd edition, 2006, chapter 7: truncated Newton methods.
-//! - W. W. Hager, "Updating the inverse of a matrix", SIAM Review 31, 1989, <https://doi.org/10.1137/1031049>.
+//! - L. Wu et al., "A safe and fast repulsion method", ACM Trans. Graph. 40(1), 2020,
+//!   <https://doi.org/10.1145/3430025>; A. H. Chen et al., "Offset geometric contact", 44(4), 2025,
+//!   <https://doi.org/10.1145/3731205>: bounds per vertex.
+//! - J. Nocedal, S. J. Wright, *Numerical optimization*, 2006, chapter 7: truncated Newton methods. W. W. Hager,
+//!   "Updating the inverse of a matrix", SIAM Review 31, 1989, <https://doi.org/10.1137/1031049>.
 #![forbid(unsafe_code)]
 
 mod batch;

@@ -18,12 +18,12 @@
 //!
 //! *Tried.* The exact Hessian, as a difference of gradients, in the place of the projected one: wherever springs are
 //! pressed it may be indefinite, and conjugate gradients end where they find that. With A⁻¹ alone as the preconditioner
-//! a sheet on a ball fell 7 % less so than by implicit Euler, and with both as they are here, 0.2 to 1.5 % less. Without
-//! B the same step takes twice as long on the ball and three times as long where a towel lies on a rail, and the light
-//! cloth above falls 0.038 m; with the coarse grid in the preconditioner too, cloth at rest takes ten times as long. All
-//! directions solved to a fiftieth: 2.2 times as long on the ball, to a two-hundredth 3.5 times. The decrement of one
-//! iteration does not say that a step is near: conjugate gradients cut short take what is stiff and what is soft
-//! alternately.
+//! a sheet on a ball fell 7 % less so than by implicit Euler, and with both as they are here, 0.2 to 1.5 % less.
+//! Without B the same step takes twice as long on the ball and three times as long where a towel lies on a rail, and
+//! the light cloth above falls 0.038 m; with the coarse grid in the preconditioner too, cloth at rest takes ten times
+//! as long. All directions solved to a fiftieth: 2.2 times as long on the ball, to a two-hundredth 3.5 times. The
+//! decrement of one iteration does not say that a step is near: conjugate gradients cut short take what is stiff and
+//! what is soft alternately.
 
 use crate::contact::ContactSystem;
 use crate::global::GlobalSystem;

@@ -1,5 +1,4 @@
-//! Extended position-based dynamics (XPBD): PBD with compliance and an accumulated Lagrange multiplier per
-//! constraint.
+//! Extended position-based dynamics (XPBD): PBD with compliance and an accumulated Lagrange multiplier per constraint.
 //!
 //! # Example
 //! ```
@@ -27,8 +26,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A sheet of cloth, with as many substeps as a strain of 10 % takes; everything else that meshes and materials
-//! need is in [`cloth_core`], re-exported here:
+//! A sheet of cloth, with as many substeps as a strain of 10 % takes; everything else that meshes and materials need is
+//! in [`cloth_core`], re-exported here:
 //!
 //! ```
 //! use cloth_xpbd::cloth_core::{Cloth, Diagonals, Membrane, grid, measure::Strain};
@@ -56,23 +55,23 @@
 //! ```
 //!
 //! # Idea
-//! PBD moves a constraint towards zero in every visit; how stiff that makes the cloth depends on how often it
-//! visits. XPBD gives each constraint a multiplier λ, in which its corrections add up. A constraint whose λ has
-//! reached the force of its material at the present stretch moves nothing any more, however often it is
-//! visited. So k is a property of the material, and `k = ∞` is allowed: a hard constraint.
+//! PBD moves a constraint towards zero in every visit; how stiff that makes the cloth depends on how often it visits.
+//! XPBD gives each constraint a multiplier λ, in which its corrections add up. A constraint whose λ has reached the
+//! force of its material at the present stretch moves nothing any more, however often it is visited. So k is a property
+//! of the material, and `k = ∞` is allowed: a hard constraint.
 //!
 //! # From backward Euler to the update
-//! **The step.** Backward Euler for `M v̇ = f − ∇E(x)` is `x = x̃ − h² M⁻¹ ∇E(x)`, with the inertial prediction, or
-//! free flight, `x̃ = x⁰ + h v⁰ + h² M⁻¹ f` of all external forces f. It is where the gradient of
-//! `G(x) = ½ ‖x − x̃‖²_M/h² + E(x)` vanishes, with `‖y‖²_M = yᵀ M y`.
+//! **The step.** Backward Euler for `M v̇ = f − ∇E(x)` is `x = x̃ − h² M⁻¹ ∇E(x)`, with the inertial prediction
+//! `x̃ = x⁰ + h v⁰ + h² M⁻¹ f` of all external forces f. It is where the gradient of `G(x) = ½ ‖x − x̃‖²_M/h² + E(x)`
+//! vanishes, with `‖y‖²_M = yᵀ M y`.
 //!
 //! **The energy.** An element has one or a few constraint functions C(x), its *rows*, with `E = ½ Σ k C²`, so
-//! `∇E = Σ k C ∂C/∂x`: every row pushes along its own gradient with the generalised force `−k C`. Call h² times
-//! that force λ, and J the matrix of all gradients. Then backward Euler becomes two equations in x and λ
-//! (Macklin et al. 2016, equations 8 and 9),
+//! `∇E = Σ k C ∂C/∂x`: every row pushes along its own gradient with the generalised force `−k C`. Call h² times that
+//! force λ, and J the matrix of all gradients. Then backward Euler becomes two equations in x and λ (Macklin et al.
+//! 2016, equations 8 and 9),
 //!
 //! ```text
-//! M (x − x̃) − Jᵀ λ = 0        (a)  λ is what has moved x away from free flight
+//! M (x − x̃) − Jᵀ λ = 0        (a)  λ is what has moved x away from x̃
 //! C(x) + α̃ λ = 0              (b)  α̃ = α/h² = 1/(k h²), the compliance scaled by the step
 //! ```
 //!
@@ -87,25 +86,24 @@
 //! (J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃ λ)
 //! ```
 //!
-//! **Gauss–Seidel** solves this system row by row, with C and its gradient evaluated anew at every visit
-//! (equation 18):
+//! **Gauss–Seidel** solves this system row by row, with C and its gradient evaluated anew at every visit (equation 18):
 //!
 //! ```text
 //! Δλ = −(C + α̃ λ)/(w̃ + α̃),   w̃ = Σ wᵢ ‖∂C/∂xᵢ‖²,   wᵢ = 1/mᵢ
 //! λ ← λ + Δλ,   xᵢ ← xᵢ + wᵢ ∂C/∂xᵢ Δλ
 //! ```
 //!
-//! **One spring** shows what λ is for. With C̃ its stretch at x̃, the first visit makes `λ = −C̃/(w̃ + α̃)` and
-//! leaves `C = C̃ α̃/(w̃ + α̃) = C̃/(1 + k h² w̃)`: backward Euler's answer. Now `C + α̃λ = 0`, so a second
-//! visit does nothing. An update without λ would shrink C again, to `C̃/(1 + k h² w̃)ⁿ` in n visits, and k
-//! would depend on n, as in PBD.
+//! **One spring** shows what λ is for. With C̃ its stretch at x̃, the first visit makes `λ = −C̃/(w̃ + α̃)` and leaves
+//! `C = C̃ α̃/(w̃ + α̃) = C̃/(1 + k h² w̃)`: backward Euler's answer. Now `C + α̃λ = 0`, so a second visit does
+//! nothing. An update without λ would shrink C again, to `C̃/(1 + k h² w̃)ⁿ` in n visits, and k would depend on n, as
+//! in PBD.
 //!
-//! **What λ accumulates** is the sum of its row's Δλ in this substep: h² times the generalised force averaged
-//! over the substep, `Jᵀλ/h²` in N. It is set to zero at the start of each *substep*, because (a) has to hold there:
-//! at x = x̃ no row has moved anything. Set to zero in each *iteration*, it gives the update without λ, above. *Never*
-//! set to zero, it turns a spring into a dashpot of kh (N s/m): to bear a weight takes `Δλ = −m g h²` in every substep,
-//! so λ grows without end, and the stretch −α̃λ that (b) asks for with it, by m g/k a substep. (A warm start has to
-//! move x along, or keep the residual of (a), as [the direct solver](#direct-solve) does.)
+//! **What λ accumulates** is the sum of its row's Δλ in this substep: h² times the generalised force averaged over the
+//! substep, `Jᵀλ/h²` in N. It is set to zero at the start of each *substep*, because (a) has to hold there: at x = x̃
+//! no row has moved anything. Set to zero in each *iteration*, it gives the update without λ, above. *Never* set to
+//! zero, it turns a spring into a dashpot of kh (N s/m): to bear a weight takes `Δλ = −m g h²` in every substep, so λ
+//! grows without end, and the stretch −α̃λ that (b) asks for with it, by m g/k a substep. (A warm start has to move x
+//! along, or keep the residual of (a), as [the direct solver](#direct-solve) does.)
 //!
 //! **What is lost.** Dropping the geometric stiffness alone changes the path of the iteration, not its limit. The limit
 //! moves because the residual of (a) is dropped: each `JᵀΔλ` is added with the gradients of its own visit, so (a) holds
@@ -120,23 +118,24 @@
 //! ```text
 //! for each of s substeps of h = Δt/s:
 //!     where w > 0:  v ← v + h (g + w f)                f without the weight; where w = 0, v stays as it is
-//!     x̃ ← x + h v,  x ← x̃,  λ ← 0                      free flight
+//!     x̃ ← x + h v,  x ← x̃,  λ ← 0                      prediction
 //!     n times, for each row: Δλ, λ and x as above      one sweep
 //!     v ← v + (x − x̃)/h
 //! ```
 //!
-//! It is Algorithm 1 of Macklin et al. 2016 in substeps (Macklin et al. 2019); `v + (x − x̃)/h` is their
-//! `(x − x⁰)/h`, rounded better. `examples/first_program.rs` is this box as plain loops over arrays, and
-//! compares itself with [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
+//! It is Algorithm 1 of Macklin et al. 2016 in substeps (Macklin et al. 2019); `v + (x − x̃)/h` is their `(x − x⁰)/h`,
+//! rounded better. Air ([`StepInput::air`]) is projected after each sweep and before contact, as a constraint of
+//! stiffness D/h. `examples/first_program.rs` is this box as plain loops over arrays, and compares itself with
+//! [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
 //!
 //! A prescribed (pinned, kinematic) vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work
 //! that this takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state, unless
 //! `energy_gain` is set: a fresh solver continues a run with the same bits.
 //!
-//! To drag a vertex, prescribe it before building, and before each step set its velocity to
-//! `(target − position)/Δt`; [`Pins`](cloth_core::pin::Pins) does so for paths. The solver copies masses and prescribed
-//! vertices when it is built: to grab or release one during a run, build a new solver and go on with the same state. A
-//! soft pin is an [`Attachment`](cloth_core::energy::Attachment).
+//! To drag a vertex, prescribe it before building, and before each step set its velocity to `(target − position)/Δt`;
+//! [`Pins`](cloth_core::pin::Pins) does so for paths. The solver copies masses and prescribed vertices when it is
+//! built: to grab or release one during a run, build a new solver and go on with the same state. A soft pin is an
+//! [`Attachment`](cloth_core::energy::Attachment).
 //!
 //! The rows of one element (those of limits apart) are solved together, block Gauss–Seidel:
 //! `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with its few rows, so the three strains of a triangle need no repetition to agree.
@@ -150,7 +149,7 @@
 //!
 //! | equation | function |
 //! |---|---|
-//! | free flight; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
+//! | inertial prediction; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
 //! | C, ∂C/∂x, k | [`Constraint::rows`] of each element; [listed](XpbdBuilder#elements) |
 //! | `C + α̃λ` and α̃, damping | `update.rs`: `XpbdUpdate::equation` |
 //! | Δλ and `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/method/position_based/correction.rs` |
@@ -202,9 +201,9 @@
 //! cloth stays the same. Swept once a substep it does not: a finer mesh takes [more substeps](SubstepRule).
 //!
 //! # Damping
-//! [`XpbdConfig::damping`] = β (s) adds `−β k Ċ` to the force `−k C` of every row, with `Ċ = (C − C⁰)/h` and C⁰
-//! the value at the start of the substep: XPBD's constraint damping (Macklin et al. 2016, equation 26) in
-//! Rayleigh's form. One row then takes the implicit Euler step of a damped oscillator,
+//! [`XpbdConfig::damping`] = β (s) adds `−β k Ċ` to the force `−k C` of every row, with `Ċ = (C − C⁰)/h` and C⁰ the
+//! value at the start of the substep: XPBD's constraint damping (Macklin et al. 2016, equation 26) in Rayleigh's form.
+//! One row then takes the implicit Euler step of a damped oscillator,
 //!
 //! ```text
 //! C = (C̃ + w̃ h β k C⁰)/(1 + w̃ k h (h + β))
@@ -227,28 +226,28 @@
 //! The closed forms of a straight chain of N rigid links of length l tell what a setting leaves on top of the elastic
 //! strain. A sheet of N rows of edges, hung by one side, is such a chain as far as its weight goes.
 //!
-//! - **One sweep per substep** of `h = Δt/s`, from the support: the lower end of link i is left behind by what
-//!   the next link pulls, `wᵢ |λᵢ₊₁|` with `|λᵢ₊₁| = g h² (mass below i)`. The chain sags by
-//!   `g h² Σ (mass below i)/mᵢ`: for equal masses `g h² N(N − 1)/2`, a mean strain of `ε = g h² (N − 1)/(2 l)`;
-//!   a tip of mass m_t adds `g h² (N − 1)(m_t/m − 1)`, which for a heavy one is nearly all. So a wanted ε takes
+//! - **One sweep per substep** of `h = Δt/s`, from the support: the lower end of link i is left behind by what the next
+//!   link pulls, `wᵢ |λᵢ₊₁|` with `|λᵢ₊₁| = g h² (mass below i)`. The chain sags by `g h² Σ (mass below i)/mᵢ`: for
+//!   equal masses `g h² N(N − 1)/2`, a mean strain of `ε = g h² (N − 1)/(2 l)`; a tip of mass m_t adds
+//!   `g h² (N − 1)(m_t/m − 1)`, which for a heavy one is nearly all. So a wanted ε takes
 //!
 //!   ```text
 //!   s = Δt √( g (N − 1) (1 + 2 (m_t/m − 1)/N) / (2 l ε) )   substeps
 //!   ```
 //!
-//!   that is 8.7 for 1 %, 24 links of 1/24 m, equal masses, 1/60 s and 9.81 m/s², and 87 with a tip of 1200
-//!   times the mass.
+//!   that is 8.7 for 1 %, 24 links of 1/24 m, equal masses, 1/60 s and 9.81 m/s², and 87 with a tip of 1200 times the
+//!   mass.
 //! - **n iterations** of one substep share λ about equally and divide the sag by nearly n, to about
 //!   `g Δt² N(N − 1)/(2n)`, as long as n is well below N². (n substeps divide it by n², as each needs only a λ that
 //!   goes with h².) From then on each keeps `cos²(π/(2N))` of the error ([limits](#limits)), a factor of 100 in
 //!   `ln 100/(−2 ln cos(π/(2N)))` sweeps: 1,074 for these 24 links.
-//! - **"As many iterations as the mesh is wide"** is a popular rule. N sweeps leave
-//!   `cos^(2N)(π/(2N)) ≈ e^(−π²/(4N))` of the slowest error, here 90 %. At rest they leave a sag of about
-//!   `g Δt² (N − 1)/2`, a mean strain of 3.1 %, for the 24 links: measured 3.0 %, and 2.3 % on a sheet of as
-//!   many rows. The same sweeps as substeps leave 0.13 % and 0.10 %.
+//! - **"As many iterations as the mesh is wide"** is a popular rule. N sweeps leave `cos^(2N)(π/(2N)) ≈ e^(−π²/(4N))`
+//!   of the slowest error, here 90 %. At rest they leave a sag of about `g Δt² (N − 1)/2`, a mean strain of 3.1 %, for
+//!   the 24 links: measured 3.0 %, and 2.3 % on a sheet of as many rows. The same sweeps as substeps leave 0.13 % and
+//!   0.10 %.
 //!
-//! What the prediction is worth, measured (`cloth-bench study sag --tables`; 24 edges of 1/24 m, rigid springs,
-//! one sweep per substep, at rest), in multiples of the predicted mean strain:
+//! What the prediction is worth, measured (`cloth-bench study sag --tables`; 24 edges of 1/24 m, rigid springs, one
+//! sweep per substep, at rest), in multiples of the predicted mean strain:
 //!
 //! | hung by | sweep | mean strain | largest strain |
 //! |---|---|---|---|
@@ -284,9 +283,9 @@
 //! energy is in the same strain, and the more often it takes all eight times as many.
 //!
 //! # Order of the constraints, colours and threads
-//! A sweep visits the families in the order in which they were added, and the elements of a family in the order
-//! of [`Sweep`]. Gauss–Seidel carries a correction along the order of the visits through a whole chain in one
-//! sweep, and against it by one element a sweep. Converged sweeps agree whatever the order; iterates do not.
+//! A sweep visits the families in the order in which they were added, and the elements of a family in the order of
+//! [`Sweep`]. Gauss–Seidel carries a correction along the order of the visits through a whole chain in one sweep, and
+//! against it by one element a sweep. Converged sweeps agree whatever the order; iterates do not.
 //!
 //! [`Sweep::Colored`], the default, colours the elements greedily, so that no two of a colour share a vertex. Where an
 //! element has N vertices and a vertex at most d elements, N (d − 1) + 1 colours are enough: 15 for the springs of the
@@ -301,8 +300,8 @@
 //! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. A chain of 20 rigid links takes less than a
 //! fifth of the sweeps to 1e-7 m with ρ given, less than a third with ρ estimated (`tests/all/sweeps.rs`).
 //!
-//! Order families from the one that must hold least to the one that must hold best: the last one visited is met
-//! best. So contact comes last.
+//! Order families from the one that must hold least to the one that must hold best: the last one visited is met best.
+//! So contact comes last.
 //!
 //! # Contact
 //! A [`ContactSource`](cloth_core::contact::ContactSource), as the crate `cloth-collide` has it, is handed over with
@@ -310,7 +309,8 @@
 //! touch in the substep (`begin_substep`), are swept last in each iteration, test the paths before the velocities are
 //! found (`end_substep`), and may change those afterwards (`change_velocities`). A contact is a row
 //! `C = n·Σ bᵢ xᵢ − d̂ ≥ 0`, with bᵢ barycentric weights, negative on one side. It comes from the energy per area ψ(d)
-//! (J/m²) of `cloth_collide::potential`, with κ (Pa/m) and the range r, the thickness, between two edges half of it:
+//! (J/m²) of `cloth_collide::potential`, with κ (Pa/m) and the range r: the thickness, or half the thickness between
+//! two edges:
 //!
 //! ```text
 //! ψ = ½ κ (r − d)²                 from d = r/2 to r; nothing beyond
@@ -319,8 +319,8 @@
 //!
 //! ψ′ is replaced by its tangent at the distance d of the start: compliance 1/(A ψ″) for the area A, and
 //! `d̂ = d − ψ′/ψ″`, where that line is zero. From t on this gives d̂ = r and ψ″ = κ, the spring itself; below,
-//! `d̂ = 2d` and `ψ″ = κ t²/d²`: what is too near is held more stiffly, but sent to 2d only in one substep. In a
-//! visit, with `ŵ = Σ wᵢ bᵢ²`,
+//! `d̂ = 2d` and `ψ″ = κ t²/d²`: what is too near is held more stiffly, but sent to 2d only in one substep. In a visit,
+//! with `ŵ = Σ wᵢ bᵢ²`,
 //!
 //! ```text
 //! Δλ = max(−λ, −(C + α̃λ)/(ŵ + α̃)),   λ_t ← λ_t − u/ŵ, cut to ‖λ_t‖ ≤ μ λ
@@ -342,9 +342,10 @@
 //! path, [`IntersectingStart`](cloth_core::contact::ContactError::IntersectingStart) where something crossed before.
 //!
 //! **Restitution.** With `PotentialBuilder::restitution(e)`, e from 0 to 1, `change_velocities` gives every pair that
-//! came with the speed u along n and has touched the speed e u, by the impulse `(e u − s)/ŵ` along n, s its speed apart
-//! before that (Müller et al. 2020, section 3.6). An approach of less than r/1000 in a substep is rest. It cannot be
-//! beside a `free` body. Unless e is set, contact gives back what ψ has stored, less what the substeps damp.
+//! approached with the velocity u along n and has touched the velocity e u, by the impulse `(e u − s)/ŵ` along n, s its
+//! separation velocity before that (Müller et al. 2020, section 3.6). An approach of less than r/1000 in a substep is
+//! rest. It cannot be beside a `free` body. Unless e is set, contact gives back what ψ has stored, less what the
+//! substeps damp.
 //!
 //! **Bodies**, all of `PotentialBuilder`, each with its own μ: `obstacle` is a rigid one of a signed distance, still or
 //! with the velocities of its `RigidMotion`; `animated` a mesh whose vertices follow given shapes (`AnimatedMesh`); and
@@ -371,38 +372,45 @@
 //! ([table](SubstepRule#with-contact)).
 //!
 //! # Direct solve
-//! With the feature `direct`, `direct::DirectXpbd` solves all rows of a step as one linear system, and repeats
-//! that to convergence, with the residual of (a) kept: its limit *is* the implicit Euler step. Use it for light
-//! chains with heavy ends, where sweeps stall, for hard constraints that have to be met to round-off, and as
-//! the reference for sweeps. With one solve a step and geometric stiffness it is stable constrained dynamics
-//! (Tournier et al. 2015). Tables of that module say which of its four linear systems suits what, and what a step costs
-//! in sweeps. Without the feature the crate does not depend on a factorisation library.
+//! With the feature `direct`, `direct::DirectXpbd` solves all rows of a step as one linear system, and repeats that to
+//! convergence, with the residual of (a) kept: its limit *is* the implicit Euler step. Use it for light chains with
+//! heavy ends, where sweeps stall, for hard constraints that have to be met to round-off, and as the reference for
+//! sweeps. With one solve a step and geometric stiffness it is stable constrained dynamics (Tournier et al. 2015).
+//! Tables of that module say which of its four linear systems suits what, and what a step costs in sweeps. Without the
+//! feature the crate does not depend on a factorisation library.
+//!
+//! # Strain limits
+//! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
+//! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle) are inequality constraints: C is the length or
+//! singular value less the nearest allowed one, and λ keeps its sign. With finite k a limit yields by f/k under a force
+//! f; with `k = ∞` it is hard. Like every constraint it is met as far as the sweeps have converged: add its family
+//! last, and use more substeps. A limit that holds after every step is a projection after it: `WithStrainLimit` of
+//! `cloth-pbd`.
 //!
 //! # Errors and bad input
-//! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or
-//!   substeps, negative or non-finite damping, relaxation outside (0, 2), …), or the element and the vertex
-//!   that does not exist or that it names twice.
-//! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, or if gravity, loads,
-//!   positions or velocities are not finite (the first such vertex is named), and if its *result* is not
-//!   finite, as with a stiffness that is NaN; with contact also by [`StepError::Contact`], above. In all cases the
-//!   state is what it was before the step, and the solver can be used again.
+//! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or substeps,
+//!   negative or non-finite damping, relaxation outside (0, 2), …), or the element and the vertex that does not exist
+//!   or that it names twice.
+//! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, or if gravity, loads, positions or
+//!   velocities are not finite (the first such vertex is named), and if its *result* is not finite, as with a stiffness
+//!   that is NaN; with contact also by [`StepError::Contact`], above. In all cases the state is what it was before the
+//!   step, and the solver can be used again.
 //! - **The direct solver** may besides be refused with [`BuildError::MatrixTooLarge`], and its step with
 //!   [`StepError::NotPositiveDefinite`] or [`StepError::LineSearchStalled`].
 //! - **A state or load of the wrong length** is a bug of the caller and panics.
-//! - **Degenerate elements are no error.** The two ends of a spring that coincide are driven apart in a
-//!   direction that depends on their numbers only; a row whose gradient vanishes (of a triangle that has become a
-//!   point) moves nothing, and neither do rows between prescribed vertices and rows of zero stiffness.
+//! - **Degenerate elements are no error.** The two ends of a spring that coincide are driven apart in a direction that
+//!   depends on their numbers only; a row whose gradient vanishes (of a triangle that has become a point) moves
+//!   nothing, and neither do rows between prescribed vertices and rows of zero stiffness.
 //! - **Meshes and masses** are checked where they are made: `Particles::new` refuses masses that are not positive and
 //!   finite, `TriMesh::new` triangles without area, `Cloth::on` edges of three triangles. An element made by hand on
 //!   such a rest shape has no stiffness, or coefficients that are not finite: its first step is refused.
-//! - **No convergence test.** A step makes its sweeps and reports
-//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome). How far `C + α̃λ` is from zero, and how to read
-//!   that, is with [`XpbdSolver::compliance_residual`].
+//! - **No convergence test.** A step makes its sweeps and reports [`Outcome::BudgetSpent`](cloth_core::step::Outcome).
+//!   How far `C + α̃λ` is from zero, and how to read that, is with [`XpbdSolver::compliance_residual`].
 //!
 //! # Add an element
-//! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives
-//! the rows. The solver takes it as it takes ours; damping, forces, colours, threads and the direct solver
-//! follow. A soft pin along a line, as an example: `C` is the two coordinates across it.
+//! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives the
+//! rows. The solver takes it as it takes ours; damping, forces, colours, threads and the direct solver follow. A soft
+//! pin along a line, as an example: `C` is the two coordinates across it.
 //!
 //! ```
 //! use cloth_xpbd::cloth_core::check::gradient_error;
@@ -443,8 +451,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! k must not depend on x: the update takes it as a constant. An element whose one row has a unit gradient, or
-//! whose rows are linear coordinates, may say so (`row_form`) and is swept faster; the direct solver asks for
+//! k must not depend on x: the update takes it as a constant. An element whose one row has a unit gradient, or whose
+//! rows are linear coordinates, may say so (`row_form`) and is swept faster; the direct solver asks for
 //! `geometric_stiffness`, which has a default.
 //!
 //! # What a sweep costs
@@ -476,15 +484,12 @@
 //!   ten links (0.1 m, 0.1 kg) converged sweeps leave these fractions of `G(x̃) − G*` (`cloth-bench study xpbd-floor`);
 //!   the direct solver leaves no more than rounding does:
 //!
-//!   | Δt (s) | k = 200 N/m | k = 10⁴ N/m |
-//!   |---|---|---|
-//!   | 1/60 | 9.9e-4 | 1.4e-4 |
-//!   | 1/240 | 2.7e-5 | 7.0e-6 |
-//!   | 1/960 | 1.4e-7 | 1.4e-7 |
+//!   | Δt (s) | k = 200 N/m | k = 10⁴ N/m | |---|---|---| | 1/60 | 9.9e-4 | 1.4e-4 | | 1/240 | 2.7e-5 | 7.0e-6 | |
+//!   1/960 | 1.4e-7 | 1.4e-7 |
 //!
-//! - For the same reason forces read from λ miss the balance at rest by an amount of order h² where links turn
-//!   from x̃ to x within a substep, as those of a rope between two pins do; in a straight chain they are exact.
-//!   `direct.rs`, *What one sees of it*, has both in millimetres and per cent.
+//! - For the same reason forces read from λ miss the balance at rest by an amount of order h² where links turn from x̃
+//!   to x within a substep, as those of a rope between two pins do; in a straight chain they are exact. `direct.rs`,
+//!   *What one sees of it*, has both in millimetres and per cent.
 //! - Gauss–Seidel needs more sweeps on a finer mesh; truncated early, a stiff cloth is softer than its k. A straight
 //!   chain of N rigid links, hung by one end, keeps `cos²(π/(2N))` of the error per sweep;
 //!   [`XpbdConfig`](XpbdConfig#how-fast-sweeps-converge) has the rate by stiffness, mesh and mass ratio.
@@ -492,10 +497,10 @@
 //!   `½ λᵀ(J M⁻¹ Jᵀ + α̃)λ + λᵀC(x̃)`. From step to step nothing is proved; `energy_gain` watches it.
 //!   [`Sweep::PlainJacobi`] diverges in cloth unless it is relaxed.
 //! - Linear momentum is conserved to round-off in free flight; angular momentum is lost, to order h, as in implicit
-//!   Euler. So is energy, once the sweeps have converged. Unconverged sweeps leave stretch that holds elastic energy
-//!   ½ k C² which nothing has put in; see [contact](#contact).
-//! - A substep moves a vertex by some g h², beside positions that are rounded to 10⁻¹⁶ of their size: at 1 m and
-//!   h = 10⁻⁶ s a correction has five digits left. For single precision see `single`, which adds up displacements.
+//!   Euler. So is energy, once the sweeps have converged. Unconverged sweeps leave stretch that holds elastic energy ½
+//!   k C² which nothing has put in; see [contact](#contact).
+//! - A substep moves a vertex by some g h², beside positions that are rounded to 10⁻¹⁶ of their size: at 1 m and h =
+//!   10⁻⁶ s a correction has five digits left. For single precision see `single`, which adds up displacements.
 //! - Damping does not act on hard rows, which do not move, nor on rigid motion.
 //! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before
 //!   (`chapter/guide.rs`). Ringing is energy that a stop has left in springs: take more substeps, `energy_gain` or
@@ -506,8 +511,8 @@
 //!   [`SpringLaw`](cloth_core::cloth::SpringLaw) and `cloth_core::dof`, with numbers.
 //!
 //! # When not to use this method
-//! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60
-//! s; 2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`):
+//! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
+//! 2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`):
 //!
 //! | method | ms per step | largest stretch at the end |
 //! |---|---|---|
@@ -519,12 +524,13 @@
 //! - **Fine and stiff cloth**: the substeps for a wanted strain grow with the number of vertices a side or a little
 //!   faster, so the cost grows with its cube or more. At 64 a side other methods are already cheaper for the same
 //!   strain.
-//! - **A wanted error**: no number of iterations brings it to the implicit Euler step. Take implicit Euler, or
-//!   the direct solver.
-//! - **Motion without numerical damping**: take implicit midpoint or BDF2 (not in this crate); substeps only lower it.
+//! - **A wanted error**: no number of iterations brings it to the implicit Euler step. Take implicit Euler, or the
+//!   direct solver.
+//! - **Motion with little numerical damping**: take BDF2, or the implicit midpoint rule where the step resolves the
+//!   springs (both of `cloth-massspring`); substeps only lower the damping here.
 //! - **Mass ratios far from 1** along chains: the direct solver.
 //! - **Energies that are not `½ k C²`** with constant k in a few rows, as cubic shells. (Stable neo-Hookean solids can
-//!   be written as two rows: Macklin and Müller 2021.)
+//!   be written as two rows: Macklin and Müller 2021.) Triangles are isotropic; springs may differ by direction.
 //!
 //! It is at its best with few or small constraints, hard constraints beside soft ones, limits and contact, and where
 //! some strain may be seen.
@@ -547,20 +553,17 @@
 //! XPBD is reported to be covered by US patent 11,270,041. Whether that concerns you is for you to check.
 //!
 //! # References
-//! - M. Macklin, M. Müller, N. Chentanez, "XPBD: position-based simulation of compliant constrained dynamics",
-//!   Motion in Games 2016, <https://doi.org/10.1145/2994258.2994272>: the derivation, the sweep, and damping in
-//!   equation 26.
-//! - M. Macklin, K. Storey, M. Lu, P. Terdiman, N. Chentanez, S. Jeschke, M. Müller, "Small steps in physics
-//!   simulation", Symposium on Computer Animation 2019, <https://doi.org/10.1145/3309486.3340247>: substeps
-//!   instead of iterations.
-//! - M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
-//!   Symposium on Geometry Processing 2006: the quadratic hinge.
+//! - M. Macklin, M. Müller, N. Chentanez, "XPBD: position-based simulation of compliant constrained dynamics", Motion
+//!   in Games 2016, <https://doi.org/10.1145/2994258.2994272>: the derivation, the sweep, and damping in equation 26.
+//! - M. Macklin et al., "Small steps in physics simulation", Symposium on Computer Animation 2019,
+//!   <https://doi.org/10.1145/3309486.3340247>: substeps instead of iterations.
+//! - M. Bergou et al., "A quadratic bending model for inextensible surfaces", SGP 2006: the quadratic hinge.
 //! - M. Servin, C. Lacoursière, N. Melin, "Interactive simulation of elastic deformable materials", SIGRAD 2006: the
 //!   compliant system (a), (b).
-//! - M. Tournier, M. Nesme, B. Gilles, F. Faure, "Stable constrained dynamics", ACM Transactions on Graphics 34
-//!   (4), 2015, <https://doi.org/10.1145/2766969>: geometric stiffness.
-//! - M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image
-//!   Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>: the method that it extends.
+//! - M. Tournier, M. Nesme, B. Gilles, F. Faure, "Stable constrained dynamics", ACM Transactions on Graphics 34 (4),
+//!   2015, <https://doi.org/10.1145/2766969>: geometric stiffness.
+//! - M. Müller et al., "Position based dynamics", J. Vis. Commun. Image Represent. 18(2), 2007,
+//!   <https://doi.org/10.1016/j.jvcir.2007.01.005>: the method that it extends.
 //! - M. Müller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim, "Detailed rigid body simulation with extended position
 //!   based dynamics", Computer Graphics Forum 39(8), 2020, <https://doi.org/10.1111/cgf.14105>: friction, restitution.
 //! - X. Provot, "Collision and self-collision handling in cloth model dedicated to design garments", 1997; R. Bridson,

@@ -27,8 +27,8 @@ impl Coarsest {
         }
     }
 
-    /// Factorises the matrix of the level, with a larger diagonal if it has to be. Returns whether it is positive definite
-    /// as it is.
+    /// Factorises the matrix of the level, with a larger diagonal if it has to be. Returns whether it is positive
+    /// definite as it is.
     pub(super) fn factorize(&mut self, level: &Level) -> bool {
         let is_positive_definite = self.factorize_shifted(level, 0.0);
         if !is_positive_definite {
