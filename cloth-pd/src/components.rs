@@ -10,6 +10,7 @@
 //! origin is `w Σ z × p` over the rows z of S x⁺: zero only if p is the projection of x⁺, at convergence. What is left
 //! then is that of implicit Euler, `−Δt² Σ v[1] × f(x[1])` in a step, f the internal forces.
 
+use cloth_core::contact::ContactRow;
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::particles::Particles;
 use cloth_core::topology::DisjointSets;
@@ -26,6 +27,8 @@ pub(crate) struct FreeComponents {
     shift: Vec<Vec3>,
     /// Of each component, `Σ m + Δt D` (kg) with the drag of the air.
     dragged: Vec<Mat3>,
+    /// Of each component, whether contact pressed something else against it where the last step ended.
+    is_supported: Vec<bool>,
 }
 
 const CONSTRAINED: u32 = u32::MAX;
@@ -72,6 +75,7 @@ impl FreeComponents {
         Self {
             shift: vec![Vec3::zeros(); mass.len()],
             dragged: vec![Mat3::zeros(); mass.len()],
+            is_supported: vec![false; mass.len()],
             vertex_mass: particles.mass().to_vec(),
             component,
             mass,
@@ -83,8 +87,34 @@ impl FreeComponents {
         self.mass.is_empty()
     }
 
-    /// Moves every free component as a whole, so that its centre of mass is displaced as that of `goal`, or not at all
-    /// without one; both are displacements (m).
+    /// Finds the components that a body or another component supports, in the contacts where a step has ended. The next
+    /// step begins where their velocities take them, and not where their momentum and gravity would: cloth that lies
+    /// still would have to come back from a fall of g Δt².
+    pub(crate) fn find_supported(&mut self, rows: &[ContactRow]) {
+        self.is_supported.fill(false);
+        for row in rows {
+            let ends = || {
+                row.vertices
+                    .iter()
+                    .zip(row.weights)
+                    .filter(|end| end.1 != 0.0)
+            };
+            let component = |vertex: u32| self.component[vertex as usize];
+            let first = ends().next().map(|end| component(*end.0));
+            if row.is_internal() && ends().all(|end| Some(component(*end.0)) == first) {
+                continue;
+            }
+            for (vertex, _) in ends() {
+                let component = self.component[*vertex as usize] as usize;
+                if let Some(is_supported) = self.is_supported.get_mut(component) {
+                    *is_supported = true;
+                }
+            }
+        }
+    }
+
+    /// Moves every free component that nothing supports as a whole, so that its centre of mass is displaced as that of
+    /// `goal`, or not at all without one; both are displacements (m).
     pub(crate) fn align(&mut self, goal: Option<&[Vec3]>, q: &mut [Vec3]) {
         self.shift.fill(Vec3::zeros());
         for (vertex, &component) in self.component.iter().enumerate() {
@@ -93,14 +123,13 @@ impl FreeComponents {
                 *shift += (goal - q[vertex]) * self.vertex_mass[vertex];
             }
         }
-        for (&component, q) in self.component.iter().zip(q) {
-            if let Some(shift) = self.shift.get(component as usize) {
-                *q += shift / self.mass[component as usize];
-            }
+        for (shift, mass) in self.shift.iter_mut().zip(&self.mass) {
+            *shift /= *mass;
         }
+        self.add_shifts(q);
     }
 
-    /// Moves every free component as a whole to where its momentum takes it against a `drag` D (kg/s) from its
+    /// Moves every free component that nothing supports as a whole to where its momentum takes it against a `drag` D (kg/s) from its
     /// velocities before the step (m/s): `Σ m (q − u) + Δt D (q − Δt v₀) = 0`.
     pub(crate) fn align_dragged(
         &mut self,
@@ -122,9 +151,14 @@ impl FreeComponents {
         for (shift, dragged) in self.shift.iter_mut().zip(&self.dragged) {
             *shift = dragged.try_inverse().unwrap_or_else(Mat3::zeros) * *shift;
         }
+        self.add_shifts(q);
+    }
+
+    fn add_shifts(&self, q: &mut [Vec3]) {
         for (&component, q) in self.component.iter().zip(q) {
-            if let Some(shift) = self.shift.get(component as usize) {
-                *q += shift;
+            let component = component as usize;
+            if self.is_supported.get(component) == Some(&false) {
+                *q += self.shift[component];
             }
         }
     }

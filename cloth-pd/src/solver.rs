@@ -258,12 +258,16 @@ impl PdSolver {
         let Method::QuasiNewton(method) = &mut self.method else {
             return Ok(());
         };
-        if contact.is_none() || self.free_components.is_empty() {
+        let components = &mut self.free_components;
+        if contact.is_none() || components.is_empty() {
+            components.find_supported(&[]);
             return Ok(());
         }
         self.objective.place(&mut self.point);
         method.linearize_contacts(&self.objective, &self.point, contact);
-        let components = &self.free_components;
+        if let Some(system) = method.contact_system() {
+            components.find_supported(&system.rows);
+        }
         let is_free = method.contact_system().is_some_and(|system| {
             let mut vertices = system.rows.iter().flat_map(|row| row.vertices);
             system.is_internal() && vertices.all(|vertex| components.contains(vertex))
