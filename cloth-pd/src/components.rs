@@ -129,8 +129,8 @@ impl FreeComponents {
         self.add_shifts(q);
     }
 
-    /// Moves every free component that nothing supports as a whole to where its momentum takes it against a `drag` D (kg/s) from its
-    /// velocities before the step (m/s): `Σ m (q − u) + Δt D (q − Δt v₀) = 0`.
+    /// Moves every free component that nothing supports as a whole to where its momentum takes it against a `drag` D
+    /// (kg/s) from its velocities before the step (m/s): `Σ m (q − u) + Δt D (q − Δt v₀) = 0`.
     pub(crate) fn align_dragged(
         &mut self,
         goal: &[Vec3],
