@@ -281,7 +281,7 @@ impl Minimizer {
             let is_finishing = task.config.tolerance < NEWTON_HANDOVER && contact.is_none();
             let (tolerance, least) = if is_finishing {
                 (NEWTON_HANDOVER, NEWTON_HANDOVER_ROUNDING * rounding)
-            } else if contact.is_some() && method.is_touching() {
+            } else if contact.is_some() && method.has_active_contacts() {
                 (CONTACT_TOLERANCE_FACTOR * task.config.tolerance, rounding)
             } else {
                 (task.config.tolerance, rounding)

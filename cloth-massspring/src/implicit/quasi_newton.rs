@@ -98,7 +98,7 @@ impl QuasiNewton {
     ) -> bool {
         let x = &current.positions[..];
         let is_mixed = self.iterations < PREDICTED_FORCE_ITERATIONS;
-        if !is_mixed && self.age < REFRESH_INTERVAL && !self.is_cut_short() {
+        if !is_mixed && self.age < REFRESH_INTERVAL && !self.is_often_shortened() {
             return false;
         }
         let to = if is_start { before } else { x };
@@ -159,7 +159,7 @@ impl QuasiNewton {
     }
 
     /// Whether contacts were active where the matrix was taken last.
-    pub(super) fn is_touching(&self) -> bool {
+    pub(super) fn has_active_contacts(&self) -> bool {
         !self.rows.is_empty()
     }
 
@@ -168,8 +168,8 @@ impl QuasiNewton {
         &self.matrix
     }
 
-    /// Whether contact cuts the steps short, so that directions of L-BFGS lead nowhere.
-    fn is_cut_short(&self) -> bool {
+    /// Whether contact shortens the steps so often that directions of L-BFGS lead nowhere.
+    fn is_often_shortened(&self) -> bool {
         self.shortened_steps >= MAX_SHORTENED_STEPS
     }
 
@@ -178,7 +178,7 @@ impl QuasiNewton {
     pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, Real, u32) {
         self.iterations += 1;
         self.age += 1;
-        let is_cut_short = self.is_cut_short();
+        let is_often_shortened = self.is_often_shortened();
         let (multigrid, global) = (&mut self.multigrid, &self.global);
         let inverse = |r: &[Vec3], z: &mut [Vec3]| {
             if let Some(multigrid) = multigrid {
@@ -186,7 +186,7 @@ impl QuasiNewton {
                 global.correct(z);
             }
         };
-        if is_cut_short {
+        if is_often_shortened {
             let operator = Operator {
                 matrix: &self.matrix,
                 contact_pairs: &self.contact_pairs,
@@ -218,7 +218,7 @@ impl QuasiNewton {
         from: &[Vec3],
         to: &[Vec3],
     ) {
-        if self.iterations >= PREDICTED_FORCE_ITERATIONS && !self.is_cut_short() {
+        if self.iterations >= PREDICTED_FORCE_ITERATIONS && !self.is_often_shortened() {
             self.history.push(length, self.slope, direction, from, to);
         }
     }
@@ -251,7 +251,7 @@ impl QuasiNewton {
     /// Goes back to L-BFGS without pairs, and takes the matrix anew in the next iteration. Returns whether that changes
     /// anything.
     pub(super) fn restart(&mut self) -> bool {
-        let changes = self.is_cut_short() || !self.history.is_empty() || self.age > 1;
+        let changes = self.is_often_shortened() || !self.history.is_empty() || self.age > 1;
         self.history.clear();
         (self.age, self.shortened_steps) = (REFRESH_INTERVAL, 0);
         changes
