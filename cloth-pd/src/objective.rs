@@ -402,7 +402,7 @@ mod tests {
     use cloth_core::cloth::{Cloth, Membrane};
     use cloth_core::mesh::generate::{Diagonals, grid};
 
-    /// A cut through all springs leaves the halves tied by hinges, which the matrix may lack.
+    /// A cut through all springs leaves the halves coupled by hinges, which the matrix may lack.
     #[test]
     fn hinges_alone_connect_a_component_to_its_pin() {
         let mesh = grid(6, 3, 5.0, 2.0, Diagonals::Alternating).unwrap();
@@ -426,7 +426,7 @@ mod tests {
         assert!(!cut.free_components(&matrix).is_empty());
         let Objective { mut families, .. } = cut;
         families.push(hinges);
-        let tied = Objective::new(model.particles, families);
-        assert!(tied.free_components(&matrix).is_empty());
+        let coupled = Objective::new(model.particles, families);
+        assert!(coupled.free_components(&matrix).is_empty());
     }
 }

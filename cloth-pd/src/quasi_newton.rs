@@ -407,7 +407,7 @@ impl QuasiNewton {
         found
     }
 
-    /// Makes `next`, which is `length` times the direction away, the point, and remembers the difference.
+    /// Makes `next`, which is `length` times the direction away, the point, and stores the difference.
     fn accept(&mut self, point: &mut Point, length: Real) {
         std::mem::swap(point, &mut self.next);
         let (old, new) = (&self.next.gradient, &point.gradient);
