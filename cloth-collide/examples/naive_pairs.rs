@@ -122,7 +122,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     contacts.limit(x, x)?; // an empty path: finds the pairs
     let mut gradient = vec![Vec3::zeros(); x.len()];
     let real = contacts.add_gradient(x, &mut gradient);
-    // The same Hessian as k J Jᵀ, J_i = w_i n: four weights, a normal and a stiffness instead of 144 numbers.
+    // The same Hessian as k J Jᵀ, J_i = c_i n: four weights, a normal and a stiffness instead of 144 numbers.
     let mut rows = Vec::new();
     contacts.linearize(x, &mut rows);
     let mut by_rows = 0.0;

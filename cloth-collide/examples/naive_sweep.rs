@@ -19,7 +19,7 @@ const DT: f64 = 1e-3; // of the substep (s)
 const PAIRS: usize = 20;
 const SWEEPS: usize = 5;
 
-/// C = n·Σ wᵢ xᵢ − d̂ ≥ 0 with the compliance α̃ (1/kg), and what it has pushed with so far (kg m).
+/// C = n·Σ c_k x_k − d₀ ≥ 0 with the compliance α̃ (1/kg), and what it has pushed with so far (kg m).
 struct Constraint {
     vertices: [usize; 4],
     weights: [f64; 4],
@@ -54,7 +54,7 @@ impl Constraint {
         }
     }
 
-    /// Σ wᵢ xᵢ (m).
+    /// Σ c_k x_k (m).
     fn point(&self, x: &[Vec3]) -> Vec3 {
         (0..4).map(|k| x[self.vertices[k]] * self.weights[k]).sum()
     }

@@ -3,8 +3,8 @@
 //! # The idea
 //!
 //! Every triangle gets a box around all that it sweeps from one position to the next, moved outwards by half of the
-//! margin. Pieces whose boxes are disjoint cannot come nearer than the margin. A *broad phase* finds the overlapping
-//! pairs without visiting all n². There are three, and they find the same pairs:
+//! margin. Primitives whose boxes are disjoint cannot come nearer than the margin. A *broad phase* finds the
+//! overlapping pairs without visiting all n². There are three, and they find the same pairs:
 //!
 //! | | how | suits | cost of a search |
 //! |---|---|---|---|
@@ -26,9 +26,9 @@
 //!
 //! The tree is refitted in every search, in place, and built anew only for another number of boxes.
 //! [`potential`](crate::potential) has boxes around patches of at most 32 triangles instead, moved outwards by a mean
-//! edge or more and h/2, and searches among them when a patch has gone so far. A piece of the cloth is halved until its
-//! patches are that small, so they have at least 16 triangles if the piece has. The box of a patch and its place in the
-//! tree take 200 bytes.
+//! edge or more and h/2, and searches among them when a patch has gone so far. A component of the cloth is halved until
+//! its patches are that small, so they have at least 16 triangles if the component has. The box of a patch and its
+//! place in the tree take 200 bytes.
 
 mod candidates;
 mod cells;

@@ -40,7 +40,7 @@ use cloth_core::math::Real;
 /// tell near from touching, and d = 0, the walk goes on with double-double numbers (unevaluated sums of two `f64`),
 /// which can tell apart what is further than about 1e-29 of the size of the motion.
 ///
-/// # What is promised
+/// # What is guaranteed
 ///
 /// - The distance is larger than d at all times before the returned one, and at it (at time 0 there may be no such
 ///   moment). If nothing is returned, during the whole motion.

@@ -1,4 +1,4 @@
-//! Closest points of two pieces of cloth: the two cases that decide the distance of two triangles,
+//! Closest points of two primitives of cloth: the two cases that decide the distance of two triangles,
 //! vertex against triangle and edge against edge.
 
 mod edge_edge;

@@ -192,7 +192,7 @@
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
 //! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `surface_only`, `shifted`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`; `sweep`; `error` |
 //! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `obstacle_contact`, `near_pairs`, `culled`, `patches`, `culled_substeps`, `filter`; `pair_constraint`, `constraints`, `bodies`, `tangent`, `rebound`; `surfaces`, `free`, `stops`; `last_resort`, `zones`; `source`, `forces`, `report`, `sewn`, `excluded`, `pinched`, `builder` |
-//! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back`, `during` |
+//! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `components`, `smooth`; `back`, `during` |
 //! | `broad_phase.rs`, `broad_phase/hierarchy.rs` | what a broad phase is; the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | a grid of cells, and two ways to sort boxes into it |
 //! | `broad_phase/candidates.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |

@@ -1,4 +1,4 @@
-//! Two pieces of cloth: how far apart they are, with both derivatives, and whether they stay apart on their path.
+//! Two primitives of cloth: how far apart they are, with both derivatives, and whether they stay apart on their path.
 
 use crate::ccd::{ContinuousTest, Query, QueryKind};
 use crate::closest::{edge_edge, point_triangle};
@@ -63,8 +63,8 @@ pub struct Gap {
     pub distance: Real,
     /// From the second nearest point to the first, n (unit length; zero at distance 0).
     pub normal: Vec3,
-    /// c_k, dimensionless: not negative on the first primitive, where they sum to 1, not positive on the second. The wᵢ
-    /// of rows and constraints.
+    /// c_k, dimensionless: not negative on the first primitive, where they sum to 1, not positive on the second. Those
+    /// of contact constraints too.
     pub weights: [Real; 4],
 }
 
@@ -213,7 +213,7 @@ impl Query {
         self.from == self.to || (1..4).all(|k| besides(k) <= 1e-6 * distance)
     }
 
-    /// Whether one steady plane has the pieces apart by more than `separation` (m) during the motion: it does if it
+    /// Whether one steady plane has the primitives apart by more than `separation` (m) during the motion: it does if it
     /// does at both ends, because everything is linear in time.
     pub(crate) fn is_apart_along(&self, normal: &Vec3, separation: Real) -> bool {
         let is_apart = |x: &[Vec3; 4]| gap_along(self.kind, normal, x) - separation > 0.0;
@@ -234,7 +234,8 @@ impl Query {
     }
 }
 
-/// How far (m) the plane across `normal` has the two pieces apart at least, at positions `x` (m), rounding taken off.
+/// How far (m) the plane across `normal` has the two primitives apart at least, at positions `x` (m), rounding taken
+/// off.
 fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
     let displacements = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
     let [a, b, c] = displacements.map(|displacement| normal.dot(&displacement));

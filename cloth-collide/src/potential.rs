@@ -1,5 +1,5 @@
-//! Contact as a potential: an energy per area of the distance to the nearest piece, which every method can take into
-//! its own solve.
+//! Contact as a potential: an energy per area of the distance to the nearest primitive, which every method can take
+//! into its own solve.
 //!
 //! # The idea
 //!
@@ -10,13 +10,18 @@
 //! E(x) = Σ A ψ(d(x)),
 //!
 //! over all pairs (vertex, triangle), (edge, edge) and (vertex, obstacle) that are nearer than h. Here d is the
-//! distance itself, not its square: unsigned between pieces of cloth, the signed φ before an obstacle. A vertex stands
-//! for a third of the rest area of the triangles around it, before other cloth for half of that, since the vertices of
-//! both sides press; an edge for a third of the area beside it, and two edges for the smaller of theirs. ψ is quadratic
-//! down to h/2 and a barrier from there on ([`PenaltyLaw`]): under a weight ρ g the gap is h − ρ g/κ, and the distance
-//! never reaches 0. Edges push only below h/2: not at all where the vertices keep the cloth farther apart than that.
-//! This leaves far fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three
-//! times as long.
+//! distance itself, not its square: unsigned between primitives of cloth, the signed φ before an obstacle. A vertex
+//! stands for a third of the rest area of the triangles around it, before other cloth for half of that, since the
+//! vertices of both sides press; an edge for a third of the area beside it, and two edges for the smaller of theirs. ψ
+//! is quadratic down to h/2 and a barrier from there on ([`PenaltyLaw`]). So h is the activation distance (the d̂ of Li
+//! et al. 2020), not a minimal one: under a pressure p of at most κ h/2 the gap is h − p/κ, and only 0 is never
+//! reached. Codimensional IPC (Li et al. 2021) keeps at least an offset ξ besides, which is not here. Edges have ψ with
+//! h/2 in place of h (their barrier begins at h/4), so they push only below h/2: not at all where the vertices keep the
+//! cloth farther apart than that. This leaves far fewer pairs: with edges from h on, five layers of 17 × 17 vertices at
+//! rest take implicit Euler three times as long.
+//!
+//! IPC's −(d − d̂)² ln(d/d̂) (Li et al. 2020) has no spring part: its stiffness at rest depends on the load, and κ is
+//! adapted. Here κ is a number of the scene, and the gap under a known weight is known.
 //!
 //! Before a body with concave edges ([`SignedDistance::each_part`]) E is the sum over all parts of its surface within
 //! h, triangles less edges plus vertices: ψ(φ) wherever one point is nearest, and the push of both sides of such an
@@ -28,20 +33,20 @@
 //! linearly where contact points slide or the normal turns; [`PairContact`] has it, and compares keeping, projecting
 //! and dropping it. Before a method moves the cloth it asks how far the path is safe
 //! ([`ContinuousTest`](crate::ContinuousTest)). So what it accepts is free of crossings, and nothing is left to be
-//! repaired afterwards. The answer is the safe part of the path, a number from 0 (none of it) to 1 (all of it): one for
-//! all vertices (`limit`), or one for each (`limit_each`). What is safe keeps a fifth of each distance, or of h where
-//! that is less (a tenth in substeps of constraints). Where the longest path, apart from the motion that all vertices
-//! share, is longer than 10 h, all paths are tested only up to the part at which it has 10 h, and the answer is at most
-//! that part. So an answer below 1 need not mean that there is a contact.
+//! repaired afterwards. The answer is the safe fraction of the path, a number from 0 (none of it) to 1 (all of it): one
+//! for all vertices (`limit`), or one for each (`limit_each`). What is safe keeps a fifth of each distance, or of h
+//! where that is less (a tenth in substeps of constraints). Where the longest path, apart from the motion that all
+//! vertices share, is longer than 10 h, all paths are tested only up to the fraction at which it has 10 h, and the
+//! answer is at most that fraction. So an answer below 1 need not mean that there is a contact.
 //!
 //! The pairs are not an active set. E is one function, the sum over all pairs, to which those beyond their range add
 //! nothing; the list of pairs holds at least those within range anywhere on the path. So a new detection changes which
 //! terms are evaluated and not their sum, and a line search meets one continuously differentiable energy. The set of
 //! terms of friction is fixed for the step. A path that is cut as a whole (`limit`) is still one of descent, one that
-//! is cut vertex by vertex (`limit_each`) need not be. The safe part of a path is 0 only where a fifth of the distance
-//! is lost in the rounding of positions, or a vertex is inside a body.
+//! is cut vertex by vertex (`limit_each`) need not be. The safe fraction of a path is 0 only where a fifth of the
+//! distance is lost in the rounding of positions, or a vertex is inside a body.
 //!
-//! Whether the iteration around it ends is the method's to say: no number of detections is promised. Those that
+//! Whether the iteration around it ends is the method's to say: no number of detections is guaranteed. Those that
 //! minimise measure the Newton decrement against the change of velocity in the step, and end at their most iterations
 //! with a state that is free of crossings all the same, and with
 //! [`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent) and the decrement that is left
@@ -80,7 +85,10 @@
 //! Each stage may keep a pair too many, and must not lose one. `tests/unit/potential_near_pairs.rs` compares the list
 //! with all pairs on random paths, `tests/all/candidates.rs` the broad phases with brute force;
 //! `tests/all/potential_derivatives.rs` compares the Hessian of a pair with differences. `tests/all/potential.rs` has
-//! pᵀ H p by the rows for random p, which is never less than by the change of the gradient along p.
+//! pᵀ H p by the rank-one Hessian terms for random p, which is never less than by the change of the gradient along p.
+//! `tests/all/guarantee` steps soups in free flight, and tests at six moments of each path that no triangles meet, and
+//! a twisted towel and sheets shot through each other, at the end of each step. That samples motions of the
+//! constraints; the argument is `ccd/reach.rs`.
 //!
 //! # What is kept, and what is not
 //!
@@ -93,21 +101,21 @@
 //! - *Energy.* Pressure gives back what it has stored, less what the integrator damps. Implicit Euler leaves
 //!   1/(1 + ω² Δt²) of the energy of an oscillation ω in each step, and ω² = κ/ρ of a sheet of ρ (kg/m²) that hits a
 //!   body flat: at κ = 10⁶ Pa/m, 0.2 kg/m² and 1/60 s less than a thousandth, so what hits does not bounce. With a
-//!   [restitution](PotentialBuilder::restitution) e an impact at the speed u takes (1 − e²) u²/(2 K), K = Σ wᵢ²/mᵢ
+//!   [restitution](PotentialBuilder::restitution) e an impact at the speed u takes (1 − e²) u²/(2 K), K = Σ c_k²/m_k
 //!   (`rebound`). Friction only takes, but for what its springs hold below ε.
 //! - *In the last resort,* pushes keep momentum, impact zones both momenta; a vertex that stays where it was keeps
 //!   none.
 //!
 //! # For methods that project positions
 //!
-//! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ d̂ with
-//! d̂ = d − ψ′/ψ″, which is h down to h/2, the compliance 1/(A ψ″), a multiplier λ ≥ 0 (kg m; λ/Δt² is the force), and
-//! friction within μ λ that remembers where it began to stick. Here λ is that of the sweep, not of the substep before.
-//! The constraints of what can touch, by bounds on the relative motion of patches of the cloth, are found at the
-//! beginning of a substep. They come last in each sweep. At the end every pair is tested. Pairs that have come too near
-//! get up to three rounds of five sweeps without compliance. After that their vertices go half as far, in up to three
-//! rounds, and stay where they were in up to six more. What is not safe even then, or has a path too long to be tested,
-//! is left to the last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices that stay).
+//! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ c_k x_k ≥ d₀
+//! with d₀ = d − ψ′/ψ″, which is h down to h/2, the compliance 1/(A ψ″), a multiplier λ ≥ 0 (kg m; λ/Δt² is the force),
+//! and friction within μ λ that remembers where it began to stick. Here λ is that of the sweep, not of the substep
+//! before. The constraints of what can touch, by bounds on the relative motion of patches of the cloth, are found at
+//! the beginning of a substep. They come last in each sweep. At the end every pair is tested. Pairs that have come too
+//! near get up to three rounds of five sweeps without compliance. After that their vertices go half as far, in up to
+//! three rounds, and stay where they were in up to six more. What is not safe even then, or has a path too long to be
+//! tested, is left to the last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices that stay).
 //!
 //! # Bodies
 //!
@@ -142,15 +150,15 @@
 //!
 //! # Pinched cloth
 //!
-//! Cloth between two bodies that close on it has no way that keeps the promise. That is an error,
+//! Cloth between two bodies that close on it has no feasible path, none that keeps the guarantee. That is an error,
 //! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible), and ends the step where it began; or,
-//! with [`PotentialBuilder::pinched_cloth_passes`], the vertices that have no way pass through one of the bodies, with
-//! their neighbours: through that of the highest number among those in their way. Cloth that crosses a body at the
-//! start passes through it in the same way while a [`StepUntangler`](crate::untangle::StepUntangler) pulls it out.
-//! Everything else is kept apart as before. Once no triangle of the cloth crosses that body any more and none of these
-//! vertices is inside, contact with it is what it was. [`PotentialContacts::pinched`] counts them. Which of the bodies
-//! the cloth should obey no law says; where that matters, number them, or end the motion of the body before it closes
-//! on the cloth.
+//! with [`PotentialBuilder::pinched_cloth_passes`], the vertices that have no feasible path pass through one of the
+//! bodies, with their neighbours: through that of the highest number among those that block it. Cloth that crosses a
+//! body at the start passes through it in the same way while a [`StepUntangler`](crate::untangle::StepUntangler) pulls
+//! it out. Everything else is kept apart as before. Once no triangle of the cloth crosses that body any more and none
+//! of these vertices is inside, contact with it is what it was. [`PotentialContacts::pinched`] counts them. Which of
+//! the bodies the cloth should obey no law says; where that matters, number them, or end the motion of the body before
+//! it closes on the cloth.
 //!
 //! # Bodies that the cloth pushes
 //!
@@ -188,12 +196,12 @@
 //! | bodies behind the cloth | `surfaces` |
 //! | P ← P + m g Δt + ∫f dt of bodies that the cloth pushes | `free` |
 //! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, where such a body meets what does not give way | `stops` |
-//! | C = n·Σ wᵢ xᵢ − d̂, α = 1/(A ψ″), λ ≥ 0 | `pair_constraint`, `constraints`, `bodies`, `tangent` |
+//! | C = n·Σ c_k x_k − d₀, α = 1/(A ψ″), λ ≥ 0 | `pair_constraint`, `constraints`, `bodies`, `tangent` |
 //! | what can touch in a substep or on a path | `patches`; whether anything can, `culled_substeps` |
-//! | the part of its path on which a pair is safe | `time_of_pair`, in `filter` |
-//! | the same for a vertex before a body | `time_of_obstacle`, in `filter` |
-//! | the least of these, for all vertices (`limit`) | `NearPairs::safe_part`, in `filter` |
-//! | a part for each vertex (`limit_each`) | `NearPairs::shorten`, in `filter` |
+//! | the fraction of its path on which a pair is safe | `safe_fraction_of_pair`, in `filter` |
+//! | the same for a vertex before a body | `safe_fraction_at_obstacle`, in `filter` |
+//! | the least of these, for all vertices (`limit`) | `NearPairs::safe_fraction`, in `filter` |
+//! | a fraction for each vertex (`limit_each`) | `NearPairs::shorten`, in `filter` |
 //! | min(1, 10 h over the longest path) | `Contacts::tested_fraction`, in `source` |
 //! | a constraint keeps a tenth of its distance on its path | `PairConstraint::is_safe`, in `pair_constraint` |
 //! | Σ A ψ, Σ A ∂ψ, Σ A ψ″ ∂d ∂dᵀ | [`PotentialContacts`] |
@@ -203,8 +211,8 @@
 //! Bounds on the motion cost time in proportion to the vertices in each substep or path, and to the vertices times the
 //! bodies. The distance of a body is asked for only where its bound does not tell; pairs of patches are searched when
 //! one has gone a mean edge or more, and the primitives of two patches, at most 32 triangles each, when the motion
-//! bound of their last search is used up. Gradient, rows and sweeps are in proportion to the pairs nearer than h or
-//! nearly so, and so is a safe path: one continuous test each, of at most
+//! bound of their last search is used up. Gradient, rank-one Hessian terms and sweeps are in proportion to the pairs
+//! nearer than h or nearly so, and so is a safe path: one continuous test each, of at most
 //! [`MOST_STEPS`](crate::ContinuousTest::MOST_STEPS) steps, where a bound does not tell. A round of the last resort
 //! searches the whole cloth.
 //!
@@ -251,6 +259,10 @@
 //!   position based dynamics, *Computer Graphics Forum* 39(8), 2020. DOI 10.1111/cgf.14105: restitution (section 3.6).
 //! - E. Guendelman, R. Bridson and R. Fedkiw, Nonconvex rigid bodies with stacking, *ACM Transactions on Graphics*
 //!   22(3), 2003. DOI 10.1145/882262.882358: impulses of single points, one after another.
+//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
+//!   *ACM Transactions on Graphics* 21(3), 2002. DOI 10.1145/566654.566623: repulsions, impulses and impact zones.
+//! - M. Li, D. M. Kaufman and C. Jiang, Codimensional incremental potential contact, *ACM Transactions on Graphics*
+//!   40(4), 2021. DOI 10.1145/3450626.3459767: the offset ξ.
 
 mod bodies;
 mod builder;

@@ -26,7 +26,7 @@
 //! had to: [`project_back`] takes it back towards where it was as far as contact with a thickness lets it.
 //!
 //! A simulation need not wait for that. [`StepUntangler`] takes a few iterations before each step, and lets contact
-//! leave out the pairs that still cross, while all others keep their promise. It also pulls the cloth out of bodies:
+//! leave out the pairs that still cross, while all others keep their guarantee. It also pulls the cloth out of bodies:
 //! these are meshes that do not move. A hand through a sleeve divides the surface of the arm, the smaller part has gone
 //! wrong, and the cloth that it goes through is pushed over it, with what is around. A part of the cloth that is inside
 //! of a closed body is never the right one. What such a push has moved loses its velocity against it.
@@ -36,8 +36,8 @@
 //! A contour that goes straight across a cloth, from rim to rim, is as long wherever it is: the gradient only pinches
 //! its ends. When an iteration gains less than a twentieth of the length, and the contour cuts something off, we fall
 //! back on the global view of Baraff et al. (2003): without the edges that pass through triangles the cloth falls into
-//! parts, the largest part is taken to be right, and each of the others is pushed as a whole through the triangles that
-//! cut it off.
+//! components, the largest one is taken to be right, and each of the others is pushed as a whole through the triangles
+//! that cut it off.
 //!
 //! # Equation → code
 //!
@@ -45,7 +45,7 @@
 //! |---|---|
 //! | x = E ∩ triangle, and how it moves | `crossing` |
 //! | L, ∂L/∂x | `contour`, [`Untangler::contour_length`] |
-//! | parts that are cut off, and the way back | `pieces` |
+//! | components that are cut off, and the direction back | `components` |
 //! | displacements averaged over edges | `smooth` |
 //! | until no triangles meet | [`Untangler::relax`] |
 //! | min ‖x − x₀‖ with layers h apart | [`project_back`] |
@@ -71,12 +71,12 @@
 //!
 //! # Limits
 //!
-//! - A contour that only just leads off a body at a rim of the cloth says little about the way, as for a hand that is
-//!   half in a sleeve and half beside it; such starts stall.
+//! - A contour that only just leads off a body at a rim of the cloth says little about the direction, as for a hand
+//!   that is half in a sleeve and half beside it; such starts stall.
 //! - Prescribed vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an
 //!   answer. Two tubes or garments through each other from rim to rim stall: either side of each could be the inside.
 //!   The positions are then finite, and no more tangled than the report says.
-//! - Which part is right is a guess by size, and may be the wrong one.
+//! - Which component is right is a guess by size, and may be the wrong one.
 //! - Pushes can make the contour longer for a while.
 //! - Untangled means that no triangles meet, exactly; the distance may be tiny until [`project_back`] has opened it.
 //! - Edges in the plane of a triangle have no crossing point, and do not pull.
@@ -89,10 +89,10 @@
 //!   10.1145/882262.882357
 
 mod back;
+mod components;
 mod contour;
 mod crossing;
 mod during;
-mod pieces;
 mod smooth;
 
 pub use back::project_back;
@@ -102,8 +102,8 @@ use crate::error::{CollideError, NonFinite};
 use crate::potential::PotentialContacts;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
+use components::Components;
 use contour::Contour;
-use pieces::Pieces;
 use smooth::Smoother;
 
 /// Moves a tangled cloth apart by shortening the curves in which it passes through itself.
@@ -125,7 +125,7 @@ use smooth::Smoother;
 #[derive(Debug)]
 pub struct Untangler {
     contour: Contour,
-    pieces: Pieces,
+    components: Components,
     smoother: Smoother,
     /// A quarter of the mean length of the sides of the rest shape (m): no vertex moves by more in an iteration.
     longest_step: Real,
@@ -206,11 +206,11 @@ const SOFT: Real = 0.1;
 const SMOOTHINGS: [u32; 3] = [8, 2, 0];
 /// The same of what is pushed in a simulation, where elasticity pulls back what is moved alone.
 const PUSH_SMOOTHINGS: u32 = 40;
-/// A step that leaves more than this part of the length is not worth while,
+/// A step that leaves more than this fraction of the length is not worth while,
 const WORTHWHILE: Real = 0.95;
 /// and an attempt is given up after this many iterations without fewer pairs or a length worth while.
-const PATIENCE: u32 = 30;
-/// Shortest step, as a part of the longest.
+const STALL_LIMIT: u32 = 30;
+/// Shortest step, as a fraction of the longest.
 const SHORTEST: Real = 1e-4;
 
 impl Untangler {
@@ -233,7 +233,7 @@ impl Untangler {
         let zeros = vec![Vec3::zeros(); mesh.vertex_count()];
         Self {
             contour: Contour::new(mesh),
-            pieces: Pieces::new(mesh, sewn),
+            components: Components::new(mesh, sewn),
             smoother: Smoother::new(mesh, sewn),
             longest_step: 0.25 * sum / Real::from(count),
             gradient: zeros.clone(),
@@ -317,7 +317,7 @@ impl Untangler {
             report.outcome = match pairs {
                 0 => UntangleOutcome::Untangled,
                 _ if report.iterations == most_iterations => UntangleOutcome::BudgetSpent,
-                _ if report.iterations - improved >= PATIENCE => UntangleOutcome::Stalled,
+                _ if report.iterations - improved >= STALL_LIMIT => UntangleOutcome::Stalled,
                 _ => {
                     report.iterations += 1;
                     self.iterate(&mut x, world)?;
@@ -392,7 +392,7 @@ impl Untangler {
     /// Pushes what is cut off back by the longest step. Whether anything is, and can move.
     fn push(&mut self, positions: &mut [Vec3], world: World<'_>) -> Result<bool, NonFinite> {
         let is_inside = |vertex| world.is_inside(vertex, positions);
-        if !self.pieces.divide(self.contour.crossings(), is_inside) {
+        if !self.components.divide(self.contour.crossings(), is_inside) {
             return Ok(false);
         }
         let is_body = |v| {
@@ -400,7 +400,7 @@ impl Untangler {
                 .contacts
                 .is_some_and(|contacts| contacts.near().body_of(v).is_some())
         };
-        self.pieces.push(positions, is_body, &mut self.gradient);
+        self.components.push(positions, is_body, &mut self.gradient);
         self.scale(world.inverse_mass);
         if world.contacts.is_some() {
             self.smoother

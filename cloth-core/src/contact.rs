@@ -173,7 +173,7 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
 /// Contact as unilateral constraints that a method feels in every sweep of every substep.
 ///
 /// A step goes like this: [`ContactConstraints::begin_step`]; for each substep [`ContactConstraints::begin_substep`]
-/// after the free flight, [`ContactConstraints::sweep`] last in each sweep, [`ContactConstraints::end_substep`] before
+/// after the prediction, [`ContactConstraints::sweep`] last in each sweep, [`ContactConstraints::end_substep`] before
 /// the velocities follow from the positions and [`ContactConstraints::change_velocities`] after it;
 /// [`ContactConstraints::end_step`]. A step that ends with an error before that has not been taken, and the next
 /// `begin_step` resets everything but the state of friction.

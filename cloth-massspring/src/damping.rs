@@ -9,8 +9,8 @@ use cloth_core::step::BuildError;
 ///
 /// `K` is the material part of the stiffness, `Σ k ∂C ∂Cᵀ`
 /// ([`GaussNewton`](cloth_core::element::Convexity::GaussNewton)): it resists the *rate of strain*. What a tense spring
-/// feels across its axis is not in it, so that a cloth of springs that turns like a rigid body is not held back
-/// (`stiffness_damping_holds_back_no_rigid_motion`). That holds for every C that a rotation leaves alone. `C = q x` of
+/// feels across its axis is not in it, so that a cloth of springs that turns like a rigid body is not damped
+/// (`stiffness_damping_leaves_rigid_motion_alone`). That holds for every C that a rotation leaves alone. `C = q x` of
 /// a quadratic hinge turns with the cloth, as a spring of rest length 0 does: of these K is the whole stiffness, and
 /// where the cloth is bent it resists turning, too.
 ///

@@ -207,25 +207,26 @@ impl Stepper for ImplicitMidpoint {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         input.check(state, self.0.particles.len())?;
-        let span = Extent {
+        let interval = Interval {
             tau: 0.5 * input.dt,
-            place: Place::Middle,
+            at: TimePoint::Middle,
         };
-        self.0.advance(state, &mut input, span, |_, x, v| [x, v])
+        self.0
+            .advance(state, &mut input, interval, |_, x, v| [x, v])
     }
 }
 
-/// What a stage spans.
+/// The time interval of a stage.
 #[derive(Clone, Copy, Debug)]
-struct Extent {
+struct Interval {
     /// τ (s).
     tau: Real,
-    place: Place,
+    at: TimePoint,
 }
 
 /// Which point in time a stage solves for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum TimePoint {
     /// The end of the step.
     End,
     /// Its middle; the end is as far again.
@@ -253,7 +254,7 @@ struct Implicit {
     before: (Vec<Vec3>, Real),
     damper: Option<Damper>,
     /// Where the stage would end with the velocities before it (m); empty without air.
-    coasting: Vec<Vec3>,
+    constant_velocity_positions: Vec<Vec3>,
     minimizer: Minimizer,
     /// For contact at the end of a step that is solved for its middle.
     end_contact: EndContactMemory,
@@ -266,11 +267,11 @@ impl Implicit {
         state: &mut State,
         input: &mut StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        let span = Extent {
+        let interval = Interval {
             tau: input.dt,
-            place: Place::End,
+            at: TimePoint::End,
         };
-        self.advance(state, input, span, |_, x, v| [x, v])
+        self.advance(state, input, interval, |_, x, v| [x, v])
     }
 
     /// A step by one stage. `base` gives `x_b` and `v_b` of a vertex from its number, position and velocity.
@@ -278,33 +279,34 @@ impl Implicit {
         &mut self,
         state: &mut State,
         input: &mut StepInput<'_>,
-        span: Extent,
+        interval: Interval,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) -> Result<StepReport, StepError> {
         if self.config.solve == Solve::Newton && input.contacts.is_some() {
             return Err(StepError::ContactNotFelt { remedy: NOT_NEWTON });
         }
         let step = state.steps + 1;
-        let until_then = match span.place {
-            Place::End => input.dt,
-            Place::Middle => 0.5 * input.dt,
+        let until_then = match interval.at {
+            TimePoint::End => input.dt,
+            TimePoint::Middle => 0.5 * input.dt,
         };
         self.energies.set_time(state.time + until_then);
-        let drag = 1.0 / (1.0 + self.config.damping.air_drag * span.tau);
-        let is_middle = span.place == Place::Middle;
+        let drag = 1.0 / (1.0 + self.config.damping.air_drag * interval.tau);
+        let is_middle = interval.at == TimePoint::Middle;
         let from_elsewhere = is_middle && !self.continues(state);
-        self.predict(state, input, span, drag, base);
+        self.predict(state, input, interval, drag, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
         let mut source = input.contacts.take();
         let contact = source.as_mut().map(|source| source.potential());
         if is_middle && contact.is_some() {
-            let (w, s) = (self.particles.inverse_mass(), span.tau * drag.sqrt());
-            let goal = &mut self.predicted;
-            self.end_contact.go_on(from_elsewhere, w, s, goal);
+            let (w, s) = (self.particles.inverse_mass(), interval.tau * drag.sqrt());
+            let predicted = &mut self.predicted;
+            self.end_contact
+                .apply_lasting_force(from_elsewhere, w, s, predicted);
         }
         let mut at_end;
-        let mut contact = match (contact, span.place) {
-            (Some(contact), Place::Middle) => {
+        let mut contact = match (contact, interval.at) {
+            (Some(contact), TimePoint::Middle) => {
                 at_end = AtEnd {
                     contact,
                     start: &state.positions,
@@ -320,13 +322,13 @@ impl Implicit {
                     particles: &self.particles,
                     energies: &self.energies,
                     predicted: &self.predicted,
-                    dt: span.tau * drag.sqrt(),
+                    dt: interval.tau * drag.sqrt(),
                 },
                 damper: self.damper.as_ref(),
                 air: input.air.as_deref().map(|air| AirDrag {
                     drag: air.drag(),
-                    goals: &self.coasting,
-                    tau: span.tau,
+                    constant_velocity_positions: &self.constant_velocity_positions,
+                    tau: interval.tau,
                 }),
                 linearized: None,
                 contact: None,
@@ -353,34 +355,35 @@ impl Implicit {
         }
         report.pin_work = self.pin_work(state, input.dt);
         let overflow = |vertex: &usize| {
-            let [x, v] = self.end(*vertex, state, input.dt, span);
+            let [x, v] = self.end(*vertex, state, input.dt, interval);
             !x.iter().chain(&v).all(|c| c.is_finite())
         };
         if let Some(vertex) = (0..self.particles.len()).find(overflow) {
             return Err(StepError::NonFinite { vertex, step });
         }
         for vertex in 0..self.particles.len() {
-            let [x, v] = self.end(vertex, state, input.dt, span);
-            // The stage is done with, and its place free for the end.
+            let [x, v] = self.end(vertex, state, input.dt, interval);
+            // The stage is done with, and its buffers are free for the end.
             (self.predicted[vertex], self.base[vertex]) = (x, v);
         }
         if let Some(air) = &mut input.air {
             // With the velocity of the stage, which is not yet that of the end in the middle of the step.
-            let starts = (&mut self.coasting, &state.velocities);
+            let starts = (&mut self.constant_velocity_positions, &state.velocities);
             for (vertex, (speed, before)) in starts.0.iter_mut().zip(starts.1).enumerate() {
-                *speed = match span.place {
-                    Place::End => self.base[vertex],
-                    Place::Middle => (self.base[vertex] + before) * 0.5,
+                *speed = match interval.at {
+                    TimePoint::End => self.base[vertex],
+                    TimePoint::Middle => (self.base[vertex] + before) * 0.5,
                 };
             }
             let w = self.particles.inverse_mass();
-            air.end(&self.predicted, &self.coasting, w);
+            air.end(&self.predicted, &self.constant_velocity_positions, w);
         }
         if let Some(contact) = source.map(|source| source.potential()) {
             let (x, v) = (&mut self.predicted, &mut self.base);
             if is_middle {
                 let w = self.particles.inverse_mass();
-                self.end_contact.take_half(contact, x, w, input.dt, v);
+                self.end_contact
+                    .correct_velocities(contact, x, w, input.dt, v);
             }
             contact.end(x, v);
         }
@@ -396,12 +399,13 @@ impl Implicit {
         &mut self,
         state: &State,
         input: &mut StepInput<'_>,
-        span: Extent,
+        interval: Interval,
         drag: Real,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) {
-        let tau = span.tau;
-        let follows = span.place == Place::End && self.before.1 == tau && self.continues(state);
+        let tau = interval.tau;
+        let follows =
+            interval.at == TimePoint::End && self.before.1 == tau && self.continues(state);
         self.before.1 = tau;
         if let Some(air) = &mut input.air {
             air.linearize(&state.positions, &state.velocities);
@@ -410,9 +414,9 @@ impl Implicit {
         for (vertex, &w) in self.particles.inverse_mass().iter().enumerate() {
             let (x, v) = (state.positions[vertex], state.velocities[vertex]);
             if w == 0.0 {
-                let there = x + v * match span.place {
-                    Place::End => input.dt,
-                    Place::Middle => 0.5 * input.dt,
+                let there = x + v * match interval.at {
+                    TimePoint::End => input.dt,
+                    TimePoint::Middle => 0.5 * input.dt,
                 };
                 self.base[vertex] = there - v * tau;
                 self.predicted[vertex] = there;
@@ -427,8 +431,9 @@ impl Implicit {
         }
         if input.air.is_some() {
             let starts = self.base.iter().zip(&state.velocities);
-            self.coasting.clear();
-            self.coasting.extend(starts.map(|(x, v)| x + v * tau));
+            self.constant_velocity_positions.clear();
+            self.constant_velocity_positions
+                .extend(starts.map(|(x, v)| x + v * tau));
         }
         if let Some(damper) = &mut self.damper {
             damper.set(&self.energies, start, &self.base, tau);
@@ -479,16 +484,16 @@ impl Implicit {
     }
 
     /// Position (m) and velocity (m/s) of a vertex at the end of the step, from the stage.
-    fn end(&self, vertex: usize, state: &State, dt: Real, span: Extent) -> [Vec3; 2] {
+    fn end(&self, vertex: usize, state: &State, dt: Real, interval: Interval) -> [Vec3; 2] {
         let (x, v) = (state.positions[vertex], state.velocities[vertex]);
         if self.particles.is_prescribed(vertex) {
             return [x + v * dt, v];
         }
         let there = self.minimizer.current.positions[vertex];
-        let speed = (there - self.base[vertex]) / span.tau;
-        match span.place {
-            Place::End => [there, speed],
-            Place::Middle => [there * 2.0 - x, speed * 2.0 - v],
+        let speed = (there - self.base[vertex]) / interval.tau;
+        match interval.at {
+            TimePoint::End => [there, speed],
+            TimePoint::Middle => [there * 2.0 - x, speed * 2.0 - v],
         }
     }
 }

@@ -60,8 +60,9 @@ fn the_tolerance_bounds_the_error() {
         state.positions
     };
     let distance = |a: &[Vec3], b: &[Vec3]| -> f64 {
-        let ways = a.iter().zip(b).zip(model.particles.mass());
-        ways.map(|((a, b), m)| m * (a - b).norm_squared())
+        let displacements = a.iter().zip(b).zip(model.particles.mass());
+        displacements
+            .map(|((a, b), m)| m * (a - b).norm_squared())
             .sum::<f64>()
             .sqrt()
     };

@@ -16,7 +16,7 @@ const ITERATIONS: u32 = 10;
 fn step(x: &mut [Vec3], v: &mut [Vec3], w: &[f64], springs: &[Spring]) {
     let h = DT / f64::from(SUBSTEPS);
     for _ in 0..SUBSTEPS {
-        // Free flight.
+        // Inertial prediction.
         for i in 0..x.len() {
             if w[i] > 0.0 {
                 v[i] += GRAVITY * h;

@@ -54,8 +54,8 @@ impl Default for HierarchyConfig {
 /// order of N² sweeps to converge. A level with half of the vertices takes half of the sweeps, each half as much work.
 ///
 /// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]; prescribed vertices are kept. Vertices are
-///   asked one after another by their numbers, those of the boundary first, whether they can be left out: a vertex
-///   inside if it still has `parents` neighbours that are kept, and lies no farther from their weighted mean than 0.3
+///   tested greedily in index order, those of the boundary first, whether they can be left out: a vertex inside if it
+///   still has `parents` neighbours that are kept, and lies no farther from their weighted mean than 0.3
 ///   of their mean distance; one on the boundary if both neighbours there are kept; and if the same still holds of its
 ///   neighbours that were left out before. Each level is a subset of the one before, of at most four fifths of its
 ///   vertices, mostly about half; with fewer than four vertices, or more than four fifths, there is none.

@@ -70,15 +70,15 @@ impl StretchRange {
 /// round-off:
 ///
 /// - `v ← v + Δx/Δt`, Δx over all passes. Since `Σ m Δx = 0`, linear momentum is conserved.
-/// - The vertices have moved, so their angular momentum `Σ m x × v` has changed. Each connected component of
-///   the limits is given the spin ω that restores it, `v ← v + ω × (x − c)`, c its centre of mass: a component
-///   that becomes smaller turns faster, as a skater does. Of all changes of the velocities that do it, this is the
-///   smallest in the metric of M. (Projection by projection it would be more local, but add energy in every pass.)
+/// - The vertices have moved, so their angular momentum `Σ m x × v` has changed. Each connected component of the limits
+///   is given the angular velocity ω that restores it, `v ← v + ω × (x − c)`, c its centre of mass: a component that
+///   becomes smaller turns faster, as a skater does. Of all changes of the velocities that do it, this is the smallest
+///   in the metric of M. (Projection by projection it would be more local, but add energy in every pass.)
 ///
 /// A component with one prescribed vertex conserves the angular momentum about this vertex; with two, none.
 ///
 /// Limits: Gauss–Seidel, so a tight limit on a large cloth takes many passes, as the square of its vertices a side: a
-/// sheet that hangs by its upper edge, drawn 10 % too long, 112, 438, 1718 and 6752 to a limit of 5 % with 9, 17, 33
+/// sheet that hangs by its upper edge, stretched by 10 %, 112, 438, 1718 and 6752 to a limit of 5 % with 9, 17, 33
 /// and 65 vertices a side (to 10⁻³; [`max_passes`](StrainLimiterBuilder::max_passes) is 100 unless set). Where the
 /// ranges contradict each other or the prescribed vertices, there is no solution; the report then says
 /// [`Outcome::BudgetSpent`] and the remaining violation. Kinetic energy is not conserved.
@@ -176,7 +176,7 @@ impl StrainLimiter {
         Ok(())
     }
 
-    /// `v ← v + Δx/Δt`, then a rigid spin per component that restores the angular momentum.
+    /// `v ← v + Δx/Δt`, then an angular-velocity correction per component that restores the angular momentum.
     fn update_velocities(&mut self, state: &State, dt: Real) {
         let before = state.positions.iter().zip(&state.velocities);
         for ((v, x), (x_before, v_before)) in self.v.iter_mut().zip(&self.x).zip(before) {

@@ -60,8 +60,8 @@ impl<const K: usize> ProjectionBatch<K> {
         elements: impl Iterator<Item = &'a E>,
         x: &[Vec3],
     ) {
-        let places = self.forces.iter_mut().zip(&mut self.energies);
-        for (element, (force, energy)) in elements.zip(places) {
+        let outputs = self.forces.iter_mut().zip(&mut self.energies);
+        for (element, (force, energy)) in elements.zip(outputs) {
             let z = apply(&element.operator(), &gather(x, element.vertices()));
             let (p, weight) = (element.project(z), element.weight());
             let mut squared = 0.0;

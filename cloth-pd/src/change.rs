@@ -12,7 +12,7 @@ pub struct AttachmentId(u32);
 
 /// Changes of the cloth between two steps.
 ///
-/// The next step takes notice of them all at once: by a correction of the factor in every solve as long as that is
+/// The next step applies them all at once: by a correction of the factor in every solve as long as that is
 /// cheaper, else by a factorisation, which it reports. It may allocate. A coarse grid is made anew whatever the factor
 /// does, if a pin or an element has changed: it is reported too (`coarse_builds`), and takes no part in the choice
 /// between correction and factorisation. To move what is prescribed or attached already changes no matrix and costs
@@ -65,7 +65,7 @@ impl PdSolver {
         Ok(())
     }
 
-    /// Ties a vertex to a point by a spring without length: a hand, a hook, a contact.
+    /// Attaches a vertex to a point by a spring without length: a hand, a hook, a contact.
     ///
     /// The vertex stays off its target by load over stiffness. With n springs of k (N/m) at each vertex of mass m the
     /// eigenvalues of A are between `m/Δt²` and `m/Δt² + 2 n k` (Gershgorin), and an attachment of stiffness K makes
@@ -84,15 +84,15 @@ impl PdSolver {
         if !(stiffness > 0.0 && stiffness.is_finite() && is_finite(&attachment.target)) {
             return Err(ChangeError::InvalidAttachment { attachment });
         }
-        self.tie(attachment.vertex, stiffness);
-        let ties = &mut self.objective.attachments;
-        let free = ties.iter().position(|tie| tie.stiffness == 0.0);
-        let place = free.unwrap_or(ties.len());
+        self.add_attachment_term(attachment.vertex, stiffness);
+        let attachments = &mut self.objective.attachments;
+        let free = attachments.iter().position(|other| other.stiffness == 0.0);
+        let index = free.unwrap_or(attachments.len());
         if free.is_none() {
-            ties.push(attachment);
+            attachments.push(attachment);
         }
-        ties[place] = attachment;
-        Ok(AttachmentId(place as u32))
+        attachments[index] = attachment;
+        Ok(AttachmentId(index as u32))
     }
 
     /// Moves the target (m) of an attachment.
@@ -100,15 +100,15 @@ impl PdSolver {
     /// # Errors
     /// [`ChangeError::NoSuchAttachment`]; [`ChangeError::InvalidAttachment`] for a target that is not finite.
     pub fn move_attachment(&mut self, id: AttachmentId, target: Vec3) -> Result<(), ChangeError> {
-        let place = self.place(id)?;
+        let index = self.index_of(id)?;
         let moved = Attachment {
             target,
-            ..self.objective.attachments[place]
+            ..self.objective.attachments[index]
         };
         if !is_finite(&target) {
             return Err(ChangeError::InvalidAttachment { attachment: moved });
         }
-        self.objective.attachments[place] = moved;
+        self.objective.attachments[index] = moved;
         Ok(())
     }
 
@@ -117,11 +117,11 @@ impl PdSolver {
     /// # Errors
     /// [`ChangeError::NoSuchAttachment`].
     pub fn detach(&mut self, id: AttachmentId) -> Result<(), ChangeError> {
-        let place = self.place(id)?;
-        let gone = &mut self.objective.attachments[place];
+        let index = self.index_of(id)?;
+        let gone = &mut self.objective.attachments[index];
         let (vertex, stiffness) = (gone.vertex, gone.stiffness);
         gone.stiffness = 0.0;
-        self.tie(vertex, -stiffness);
+        self.add_attachment_term(vertex, -stiffness);
         Ok(())
     }
 
@@ -150,16 +150,16 @@ impl PdSolver {
         }
     }
 
-    fn place(&self, AttachmentId(place): AttachmentId) -> Result<usize, ChangeError> {
-        let is_there = |tie: &Attachment| tie.stiffness > 0.0;
-        let place = place as usize;
-        match self.objective.attachments.get(place).is_some_and(is_there) {
-            true => Ok(place),
+    fn index_of(&self, AttachmentId(index): AttachmentId) -> Result<usize, ChangeError> {
+        let is_there = |attachment: &Attachment| attachment.stiffness > 0.0;
+        let index = index as usize;
+        match self.objective.attachments.get(index).is_some_and(is_there) {
+            true => Ok(index),
             false => Err(ChangeError::NoSuchAttachment),
         }
     }
 
-    fn tie(&mut self, vertex: u32, weight: Real) {
+    fn add_attachment_term(&mut self, vertex: u32, weight: Real) {
         self.global.add(Term {
             column: vec![(vertex, 1.0)],
             weight,

@@ -28,7 +28,7 @@ const DELAY: u32 = 3;
 /// An estimate is not trusted beyond this: at 1 the method would not converge.
 const LARGEST_RADIUS: Real = 0.9999;
 
-/// What the method remembers from one iteration to the next.
+/// What the method keeps from one iteration to the next.
 #[derive(Debug)]
 pub(crate) struct Chebyshev {
     given: Option<Real>,

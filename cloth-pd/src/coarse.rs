@@ -78,10 +78,10 @@ impl CoarseGrid {
         let is_free = |vertex: usize| !particles.is_prescribed(vertex);
         let Lattice {
             prolongation,
-            place,
+            node_positions,
         } = Lattice::over(rest, is_free, cells);
         let nodes = |vertex: usize| prolongation.of_fine(vertex).iter();
-        let mut pattern = PatternBuilder::new(place.len());
+        let mut pattern = PatternBuilder::new(node_positions.len());
         let mut around: Vec<u32> = Vec::new();
         for (_, (row, column)) in global.stiffness() {
             around.clear();
@@ -100,8 +100,8 @@ impl CoarseGrid {
                 }
             }
         }
-        let is_free = vec![true; place.len()];
-        let multigrid = Multigrid::new(&matrix, &is_free, &place);
+        let is_free = vec![true; node_positions.len()];
+        let multigrid = Multigrid::new(&matrix, &is_free, &node_positions);
         let mut mass = vec![0.0; pattern.block_count()];
         for (vertex, own) in particles.mass().iter().enumerate() {
             for_each_pair(&prolongation, &pattern, vertex, |slot, weight| {
@@ -114,8 +114,8 @@ impl CoarseGrid {
         }
         Self {
             multigrid,
-            right_hand_side: vec![Vec3::zeros(); place.len()],
-            solution: vec![Vec3::zeros(); place.len()],
+            right_hand_side: vec![Vec3::zeros(); node_positions.len()],
+            solution: vec![Vec3::zeros(); node_positions.len()],
             prolongation,
             stiffness: vec![PaddedBlock::default(); pattern.block_count()],
             matrix,

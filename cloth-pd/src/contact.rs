@@ -106,17 +106,17 @@ impl ContactSystem {
         self.rows.is_empty() && self.global.rows().is_empty()
     }
 
-    /// Solves `(A + Σ k J Jᵀ) p = g` (N) for p (m), nearly. Returns the number of global solves.
-    pub(crate) fn solve(&mut self, global: &mut GlobalSystem, g: &[Vec3], p: &mut [Vec3]) -> u32 {
+    /// Solves with `A + Σ k J Jᵀ`, nearly, for `out` (m), of `g` (N). Returns the number of global solves.
+    pub(crate) fn solve(&mut self, global: &mut GlobalSystem, g: &[Vec3], out: &mut [Vec3]) -> u32 {
         if self.is_empty() {
-            global.solve(g, p);
+            global.solve(g, out);
             return 1;
         }
         self.residual.copy_from_slice(g);
         global.solve(&self.residual, &mut self.solved);
         self.direction.copy_from_slice(&self.solved);
         self.times_matrix.copy_from_slice(&self.residual);
-        p.fill(Vec3::zeros());
+        out.fill(Vec3::zeros());
         let mut size = dot(&self.residual, &self.solved);
         let enough = CG_TOLERANCE * CG_TOLERANCE * size;
         for solves in 1..=MAX_CG_ITERATIONS {
@@ -126,7 +126,7 @@ impl ContactSystem {
             if !length.is_finite() {
                 return solves;
             }
-            add(p, length, &self.direction);
+            add(out, length, &self.direction);
             add(&mut self.residual, -length, &self.product);
             if solves == MAX_CG_ITERATIONS {
                 break;

@@ -31,14 +31,14 @@ const BUFFER_LEN: usize = CHUNK + LONGEST_RUN + LANES;
 /// x, y and z.
 type Buffers = [Buffer; 3];
 
-/// The place in a buffer of a vertex of a block that starts with vertex `start`.
-fn place(vertex: u32, start: usize) -> usize {
+/// The slot in a buffer of a vertex of a block that starts with vertex `start`.
+fn slot(vertex: u32, start: usize) -> usize {
     let (pair, side) = ((vertex as usize - start) / 2, vertex as usize % 2);
     pair + side * (CHUNK / 2)
 }
 
 /// Elements one after another with the same operator, each with vertices two further than those of the one before.
-/// Vertices in the same place of each are in one block.
+/// Vertices in the same slot of each are in one block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
     first: u32,
@@ -146,9 +146,9 @@ impl Runs {
         for run in &self.runs {
             let first = &elements[run.first as usize];
             let (vertices, len) = (first.vertices(), run.len as usize);
-            let places = vertices.map(|vertex| {
+            let slots = vertices.map(|vertex| {
                 if of(vertex) == block {
-                    place(vertex, start)
+                    slot(vertex, start)
                 } else {
                     copy_run(&x[vertex as usize..], len, &mut positions);
                     CHUNK
@@ -161,12 +161,12 @@ impl Runs {
             };
             for (at, spheres) in (0..len).step_by(LANES).zip(&mut spheres) {
                 let operator = first.operator()[0];
-                let places = places.map(|place| place + at);
-                let mut z = differences(&positions, places, operator);
+                let slots = slots.map(|slot| slot + at);
+                let mut z = differences(&positions, slots, operator);
                 project(&mut z, spheres, &mut squares, energies);
                 for i in 0..N {
                     for (sums, forces) in sums.iter_mut().zip(&z) {
-                        let sums = &mut sums[places[i]..][..LANES];
+                        let sums = &mut sums[slots[i]..][..LANES];
                         for lane in 0..LANES {
                             sums[lane] += forces[lane] * operator[i];
                         }
@@ -216,7 +216,7 @@ fn add_interleaved(buffers: &Buffers, out: &mut [Vec3]) {
     }
 }
 
-/// Copies the positions of `len` vertices, every second of `x`, to their place after those of a block.
+/// Copies the positions of `len` vertices, every second of `x`, to their slots after those of a block.
 #[inline(always)]
 fn copy_run(x: &[Vec3], len: usize, buffers: &mut Buffers) {
     for (i, x) in x.iter().step_by(2).take(len).enumerate() {
@@ -230,13 +230,13 @@ fn copy_run(x: &[Vec3], len: usize, buffers: &mut Buffers) {
 #[inline(always)]
 fn differences<const N: usize>(
     x: &Buffers,
-    places: [usize; N],
+    slots: [usize; N],
     operator: [Real; N],
 ) -> [[Real; LANES]; 3] {
     let mut z = [[0.0; LANES]; 3];
     for i in 0..N {
         for (z, x) in z.iter_mut().zip(x) {
-            let x = &x[places[i]..][..LANES];
+            let x = &x[slots[i]..][..LANES];
             for lane in 0..LANES {
                 let term = x[lane] * operator[i];
                 z[lane] = if i == 0 { term } else { z[lane] + term };

@@ -368,7 +368,7 @@ mod tests {
             Corner([4, 2, 0], [[1.0, -3.0, 2.0], [0.5, 0.25, -0.75]]),
             Corner([3, 4, 1], [[0.0, 1.0, -1.0], [2.0, -1.0, -1.0]]),
         ];
-        let ties = [Attachment {
+        let attachments = [Attachment {
             vertex: 3,
             target: Vec3::zeros(),
             stiffness: 9.0,
@@ -376,12 +376,12 @@ mod tests {
         let families: Families = vec![
             family(&springs, &particles),
             family(&corners, &particles),
-            family(&ties, &particles),
+            family(&attachments, &particles),
         ];
         let mut dense = [[0.0; 6]; 6];
         add_dense(&springs, &mut dense);
         add_dense(&corners, &mut dense);
-        add_dense(&ties, &mut dense);
+        add_dense(&attachments, &mut dense);
 
         let mut global = GlobalSystem::new(&particles, &families, vec![false; 3]).unwrap();
         for dt in [0.1, 0.3] {

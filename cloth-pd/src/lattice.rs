@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 #[derive(Debug)]
 pub(crate) struct Lattice {
     pub(crate) prolongation: Prolongation,
-    /// The nodes (m).
-    pub(crate) place: Vec<Vec3>,
+    /// Positions of the nodes (m).
+    pub(crate) node_positions: Vec<Vec3>,
 }
 
 impl Lattice {
@@ -22,7 +22,7 @@ impl Lattice {
         loop {
             let lattice = Self::of(rest, &is_free, cells);
             // More nodes than that and few vertices between them: their motions depend on each other.
-            if cells == 1 || 2 * lattice.place.len() <= rest.len() {
+            if cells == 1 || 2 * lattice.node_positions.len() <= rest.len() {
                 return lattice;
             }
             cells -= 1;
@@ -85,7 +85,7 @@ impl Lattice {
         let node = |key: &u64| Vec3::new(along(*key, 0), along(*key, 1), along(*key, 2));
         Self {
             prolongation: Prolongation::new(rows, nodes.len()),
-            place: nodes.iter().map(|key| low + node(key) * side).collect(),
+            node_positions: nodes.iter().map(|key| low + node(key) * side).collect(),
         }
     }
 }
@@ -123,7 +123,7 @@ impl PaddedBlock {
 pub(crate) struct ElementProlongation {
     /// The list of each element.
     pub(crate) of_element: Vec<u32>,
-    /// Places of the blocks of some nodes, the lower half row by row, and how many nodes those are.
+    /// Slots of the blocks of some nodes, the lower half row by row, and how many nodes those are.
     lists: Vec<(Vec<u32>, u32)>,
     /// For each element, for each row of its operator, a number per node.
     columns: Vec<Real>,
@@ -170,7 +170,7 @@ impl ElementProlongation {
         this
     }
 
-    /// For each element in their order, the places of the blocks of its nodes, the lower half row by row, and for each
+    /// For each element in their order, the slots of the blocks of its nodes, the lower half row by row, and for each
     /// of the K rows of its operator a number per node.
     #[inline(always)]
     pub(crate) fn each<const K: usize>(&self) -> impl Iterator<Item = (&[u32], [&[Real]; K])> {
@@ -187,7 +187,7 @@ impl ElementProlongation {
     }
 }
 
-/// A box thinner than this part of its longest side is flat: one layer of nodes, no cells.
+/// A box thinner than this fraction of its longest side is flat: one layer of nodes, no cells.
 const FLAT: Real = 1e-6;
 /// Smaller weights are rounding.
 const SMALLEST_WEIGHT: Real = 1e-9;

@@ -90,7 +90,7 @@ pub(crate) trait Projections: Debug + Send + Sync {
 
 /// The state of an element that the caller gave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum Slot {
     At(u32),
     /// It has no weight, and is not kept.
     Weightless,
@@ -101,8 +101,8 @@ enum Place {
 #[derive(Debug)]
 pub(crate) struct Family<const N: usize, const K: usize, E> {
     elements: Vec<E>,
-    /// Place in `elements` of each element that was given.
-    places: Vec<Place>,
+    /// Index in `elements` of each element that was given.
+    slots: Vec<Slot>,
     /// Whether all of them project to a sphere.
     are_spheres: bool,
     blocks: VertexBlocks,
@@ -119,18 +119,18 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         for element in &elements {
             not_negative("the weight of an element", element.weight())?;
         }
-        let mut places = vec![Place::Weightless; elements.len()];
+        let mut slots = vec![Slot::Weightless; elements.len()];
         let mut sorted: Vec<(usize, E)> = elements.into_iter().enumerate().collect();
         sorted.retain(|(_, element)| element.weight() > 0.0);
         sorted.sort_by_key(|(given, element)| (key(element), *given));
         for (at, (given, _)) in (0..).zip(&sorted) {
-            places[*given] = Place::At(at);
+            slots[*given] = Slot::At(at);
         }
         let elements: Vec<E> = sorted.into_iter().map(|(_, element)| element).collect();
         Ok(Self {
             are_spheres: K == 1 && elements.iter().all(|element| element.sphere().is_some()),
             elements,
-            places,
+            slots,
             blocks: VertexBlocks::new(particles.len()),
             prolongation: ElementProlongation::default(),
             hessians: Vec::new(),
@@ -183,20 +183,20 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
     }
 
     fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()> {
-        let place = self.places.get_mut(element)?;
-        let at = match *place {
-            Place::At(at) => at,
-            Place::Weightless => {
-                *place = Place::Removed;
+        let slot = self.slots.get_mut(element)?;
+        let at = match *slot {
+            Slot::At(at) => at,
+            Slot::Weightless => {
+                *slot = Slot::Removed;
                 return Some(());
             }
-            Place::Removed => return None,
+            Slot::Removed => return None,
         };
-        *place = Place::Removed;
+        *slot = Slot::Removed;
         // The order of the others stays: sums come out as without the element.
         let gone = self.elements.remove(at as usize);
-        for place in &mut self.places {
-            if let Place::At(after) = place
+        for slot in &mut self.slots {
+            if let Slot::At(after) = slot
                 && *after > at
             {
                 *after -= 1;
@@ -338,10 +338,10 @@ impl LocalStep {
     }
 
     /// Adds the gradient `Σ w Sᵀ(S x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns
-    /// the energy `½ Σ w ‖S x − p‖²` (J). Elements whose projection is constant add nothing: their part is a matrix.
+    /// the energy `½ Σ w ‖S x − p‖²` (J). Elements whose projection is constant add nothing: they are in the matrix.
     ///
     /// # Panics
-    /// If a vertex of an element has no position or no place in `out`.
+    /// If a vertex of an element has no position or no entry in `out`.
     pub fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real {
         self.0.add_gradient(x, out)
     }

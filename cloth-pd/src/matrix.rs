@@ -64,8 +64,8 @@ pub(crate) fn assemble<'a>(
     entries.to_csr()
 }
 
-/// Which families are of constant projection, tie vertices together and are, at every vertex, so much less stiff than
-/// all others that they hardly count: the bending of thin cloth. A hinge ties four vertices, so the matrix has less
+/// Which families are of constant projection, couple vertices and are, at every vertex, so much less stiff than
+/// all others that they hardly count: the bending of thin cloth. A hinge couples four vertices, so the matrix has less
 /// than half as many numbers in its factor without them.
 pub(crate) fn negligible(vertex_count: usize, families: &[Box<dyn Projections>]) -> Vec<bool> {
     let mut others = vec![0.0; vertex_count];

@@ -15,7 +15,7 @@
 //! | bending left out of A (quasi-Newton) | A is not the Hessian of Q | line search |
 //! | pairs, coarse grid | the direction is not −A⁻¹g | line search |
 //! | extrapolation (Chebyshev) | x⁺ is not the minimum of Q | `G` is compared |
-//! | contact, friction | C is no squared distance, and stiffens without bound as a gap closes | rows in the solve, line search |
+//! | contact, friction | C is no squared distance, and stiffens without bound as a gap closes | contact constraints in the solve, line search |
 //! | p not the nearest point, or w that depends on x | Q ≥ `G` or ∇Q = ∇G fails | none: the element is wrong |
 //! | another energy, such as neo-Hookean | its Hessian may exceed A | not taken |
 //! | rounding of `G` | two values agree to 10⁻¹² of their size | the slope decides (`quasi_newton.rs`) |
@@ -36,8 +36,7 @@ use cloth_core::step::{StepError, StepInput};
 use sprs::CsMat;
 
 /// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact and the drag of the air where they are felt, in terms
-/// of the displacement
-/// `q = x − x[0]`.
+/// of the displacement `q = x − x[0]`.
 ///
 /// With `u = x̃ − x[0] = Δt v + Δt² a` the inertia is `m q·(q − 2u)/(2Δt²)` and a constant, and its gradient
 /// `m (q − u)/Δt²`. Neither subtracts positions: free fall loses no digits, and neither does a step so long that x̃ is
@@ -101,8 +100,8 @@ impl Point {
             #[inline(always)]
             |_, (q, (from, direction))| {
                 let (q, from, direction): (&mut [Vec3], &[Vec3], &[Vec3]) = (q, from, direction);
-                for ((q, from), p) in q.iter_mut().zip(from).zip(direction) {
-                    *q = from + p * length;
+                for ((q, from), d) in q.iter_mut().zip(from).zip(direction) {
+                    *q = from + d * length;
                 }
                 []
             },
@@ -190,7 +189,7 @@ impl Objective {
     }
 
     /// Fills in the positions that belong to the displacement of `point`.
-    pub(crate) fn place(&self, point: &mut Point) {
+    pub(crate) fn write_positions(&self, point: &mut Point) {
         let moved = self.from.iter().zip(&point.displacement);
         for (x, (from, q)) in point.positions.iter_mut().zip(moved) {
             *x = from + q;
@@ -403,7 +402,7 @@ mod tests {
     use cloth_core::cloth::{Cloth, Membrane};
     use cloth_core::mesh::generate::{Diagonals, grid};
 
-    /// A cut through all springs leaves the halves tied by hinges, which the matrix may lack.
+    /// A cut through all springs leaves the halves coupled by hinges, which the matrix may lack.
     #[test]
     fn hinges_alone_connect_a_component_to_its_pin() {
         let mesh = grid(6, 3, 5.0, 2.0, Diagonals::Alternating).unwrap();
@@ -427,7 +426,7 @@ mod tests {
         assert!(!cut.free_components(&matrix).is_empty());
         let Objective { mut families, .. } = cut;
         families.push(hinges);
-        let tied = Objective::new(model.particles, families);
-        assert!(tied.free_components(&matrix).is_empty());
+        let coupled = Objective::new(model.particles, families);
+        assert!(coupled.free_components(&matrix).is_empty());
     }
 }

@@ -12,7 +12,8 @@
 //! The factor in single precision is not faster (AMD EPYC, Zen 4, one thread), though the iteration converges as well
 //! by it: a number has to be widened before it is used. A solve takes 83 µs instead of 63 at 64 vertices a side, 480
 //! instead of 360 at 128, 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes 5.7 and 8.3
-//! times as long).
+//! times as long). These were taken on another day of the same machine than those of the [crate page](crate), so only
+//! ratios count.
 
 mod parts;
 
@@ -33,31 +34,31 @@ type Lanes = [Real; 4];
 /// inverted, then its rows from top to bottom; the forward pass reads the numbers from first to last, the backward pass
 /// from last to first, and both use an entry of the right-hand side four times when they have it.
 ///
-/// Columns of which none is below another do not wait for each other. Large factors are cut into a few parts of that
-/// kind and the columns above them all, the *top*, which several threads can share; the cut depends on the factor
-/// alone, so the bits of a solution do not depend on the number of threads.
+/// Large factors are cut into a few parts, each some independent subtrees of the elimination tree, and their separator
+/// (the common ancestors). Several threads can share the parts; the cut depends on the factor alone, so the bits of a
+/// solution do not depend on the number of threads.
 #[derive(Clone, Debug)]
 pub struct PanelFactor {
-    /// Supernodes in the order in which `panels` has them: part by part, then the top.
+    /// Supernodes in the order in which `panels` has them: part by part, then the separator.
     supernodes: Vec<u32>,
     parts: Vec<Part>,
-    top: Part,
+    separator: Part,
     /// Row lists, of entries of the part's stretch of `work`; panels of one supernode share theirs.
     rows: Vec<u32>,
     values: Vec<Real>,
     work: Vec<Lanes>,
-    /// Where each row of the matrix is in `work`.
-    places: Vec<u32>,
+    /// Entry in `work` of each row of the matrix.
+    work_indices: Vec<u32>,
 }
 
 /// Columns that depend on no others below them, and their stretch of `work`: an entry for each of their rows, then one
-/// for each row of the top that they reach.
+/// for each row of the separator that they reach.
 #[derive(Clone, Debug)]
 struct Part {
     panels: Vec<Panel>,
     /// Row of the matrix of each of its own entries.
     own: Vec<u32>,
-    /// Row of the top, counted there, of each other entry.
+    /// Row of the separator, counted there, of each other entry.
     reached: Vec<u32>,
 }
 
@@ -80,18 +81,18 @@ impl PanelFactor {
         let mut this = Self {
             supernodes: Vec::new(),
             parts: Vec::new(),
-            top: Part::of(&division.top, factor),
+            separator: Part::of(&division.separator, factor),
             rows: Vec::new(),
             values: Vec::new(),
             work: Vec::new(),
-            places: vec![0; order.len()],
+            work_indices: vec![0; order.len()],
         };
         // Where a row of the factor is in the part that is being laid out.
         let mut local = vec![0; order.len()];
-        let mut is_top = vec![false; order.len()];
-        let mut in_top = vec![0; order.len()];
-        for (place, row) in (0..).zip(columns(&division.top, factor)) {
-            (is_top[row], in_top[row]) = (true, place);
+        let mut is_in_separator = vec![false; order.len()];
+        let mut separator_index = vec![0; order.len()];
+        for (index, row) in (0..).zip(columns(&division.separator, factor)) {
+            (is_in_separator[row], separator_index[row]) = (true, index);
         }
         let mut value_count = 0;
         for members in &division.parts {
@@ -99,31 +100,35 @@ impl PanelFactor {
             let mut reached: Vec<usize> = Vec::new();
             for &index in members {
                 let below = factor.supernode(index as usize).1.iter();
-                reached.extend(below.map(|&row| row as usize).filter(|&row| is_top[row]));
+                reached.extend(
+                    below
+                        .map(|&row| row as usize)
+                        .filter(|&row| is_in_separator[row]),
+                );
             }
             reached.sort_unstable();
             reached.dedup();
             let entries = columns(members, factor).chain(reached.iter().copied());
             (0..)
                 .zip(entries)
-                .for_each(|(place, row)| local[row] = place);
-            part.reached = reached.iter().map(|&row| in_top[row]).collect();
+                .for_each(|(index, row)| local[row] = index);
+            part.reached = reached.iter().map(|&row| separator_index[row]).collect();
             this.lay_out(members, factor, &local, &mut part.panels, &mut value_count);
             this.parts.push(part);
         }
         let mut panels = Vec::new();
         this.lay_out(
-            &division.top,
+            &division.separator,
             factor,
-            &in_top,
+            &separator_index,
             &mut panels,
             &mut value_count,
         );
-        this.top.panels = panels;
+        this.separator.panels = panels;
         let mut start = 0;
-        for part in this.parts.iter().chain([&this.top]) {
-            for (place, &row) in (start..).zip(&part.own) {
-                this.places[row as usize] = place;
+        for part in this.parts.iter().chain([&this.separator]) {
+            for (index, &row) in (start..).zip(&part.own) {
+                this.work_indices[row as usize] = index;
             }
             start += part.entry_count() as u32;
         }
@@ -133,12 +138,12 @@ impl PanelFactor {
         this
     }
 
-    /// Appends the panels and row lists of some supernodes, given the place of each row.
+    /// Appends the panels and row lists of some supernodes, given the entry of each row in their part of `work`.
     fn lay_out(
         &mut self,
         members: &[u32],
         factor: FactorView<'_>,
-        places: &[u32],
+        local: &[u32],
         panels: &mut Vec<Panel>,
         value_count: &mut usize,
     ) {
@@ -146,14 +151,14 @@ impl PanelFactor {
             let (start, pattern, block) = factor.supernode(index as usize);
             let columns = block.ncols();
             let list = self.rows.len();
-            self.rows.extend_from_slice(&places[start..start + columns]);
-            let below = pattern.iter().map(|&row| places[row as usize]);
+            self.rows.extend_from_slice(&local[start..start + columns]);
+            let below = pattern.iter().map(|&row| local[row as usize]);
             self.rows.extend(below);
             for column in (0..columns).step_by(WIDEST) {
                 let width = WIDEST.min(columns - column);
                 let below = list + column + width..self.rows.len();
                 panels.push(Panel {
-                    first_column: places[start + column],
+                    first_column: local[start + column],
                     width: width as u32,
                     rows: [below.start as u32, below.end as u32],
                     values: *value_count,
@@ -170,7 +175,7 @@ impl PanelFactor {
     /// If the pattern is not the one that this was made from.
     pub fn refill(&mut self, factor: FactorView<'_>) {
         assert_eq!(
-            self.places.len(),
+            self.work_indices.len(),
             factor.order().len(),
             "rows of the factor"
         );
@@ -200,38 +205,38 @@ impl PanelFactor {
     /// If `b` or `x` has not one entry per row.
     pub fn solve(&mut self, b: &[Vec3], x: &mut [Vec3]) {
         assert!(
-            b.len() == self.places.len() && x.len() == b.len(),
+            b.len() == self.work_indices.len() && x.len() == b.len(),
             "one entry per row"
         );
         let (rows, values) = (&self.rows[..], &self.values[..]);
-        let (parts, top) = (&self.parts[..], &self.top);
+        let (parts, separator) = (&self.parts[..], &self.separator);
         let own_count: usize = parts.iter().map(Part::entry_count).sum();
-        let (work, top_work) = self.work.split_at_mut(own_count);
+        let (work, separator_work) = self.work.split_at_mut(own_count);
         parts::for_each(parts, work, &|part, work| {
             part.load(b, work);
             part.forward(rows, values, work);
         });
-        top.load(b, top_work);
+        separator.load(b, separator_work);
         let mut rest = &work[..];
         for part in parts {
             let (own, others) = rest.split_at(part.entry_count());
             for (&row, spilt) in part.reached.iter().zip(&own[part.own.len()..]) {
-                let entry = &mut top_work[row as usize];
+                let entry = &mut separator_work[row as usize];
                 *entry = std::array::from_fn(|lane| entry[lane] + spilt[lane]);
             }
             rest = others;
         }
-        top.forward(rows, values, top_work);
-        top.backward(rows, values, top_work);
-        let top_work = &top_work[..];
+        separator.forward(rows, values, separator_work);
+        separator.backward(rows, values, separator_work);
+        let separator_work = &separator_work[..];
         parts::for_each(parts, work, &|part, work| {
             for (&row, entry) in part.reached.iter().zip(&mut work[part.own.len()..]) {
-                *entry = top_work[row as usize];
+                *entry = separator_work[row as usize];
             }
             part.backward(rows, values, work);
         });
-        for (x, &place) in x.iter_mut().zip(&self.places) {
-            let [a, b, c, _] = self.work[place as usize];
+        for (x, &index) in x.iter_mut().zip(&self.work_indices) {
+            let [a, b, c, _] = self.work[index as usize];
             *x = Vec3::new(a, b, c);
         }
     }
@@ -479,7 +484,10 @@ mod tests {
     fn large_factors_are_divided_and_threads_do_not_change_a_bit() {
         let mut panels = PanelFactor::new(grid_matrix(100, 0.3).factor());
         let sizes: Vec<usize> = panels.parts.iter().map(|part| part.panels.len()).collect();
-        assert!(sizes.len() >= 8 && panels.top.own.len() < 1000, "{sizes:?}");
+        assert!(
+            sizes.len() >= 8 && panels.separator.own.len() < 1000,
+            "{sizes:?}"
+        );
         let b = right_hand_side(10_000);
         let mut solve = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

@@ -2,7 +2,7 @@
 //! simulation of hyperelastic materials", 2017, algorithm 2), and its line search.
 //!
 //! *Direction.* With pairs s = Δx, y = Δ∇G, the newest first: a = s·r/(s·y), r ← r − a y, from r = −∇G; then one global
-//! solve, p = A⁻¹ r (and the coarse correction); then, the oldest first, p ← p + (a − y·p/(s·y)) s (the two-loop
+//! solve, d = A⁻¹ r (and the coarse correction); then, the oldest first, d ← d + (a − y·d/(s·y)) s (the two-loop
 //! recursion, Nocedal and Wright 2006, algorithm 7.4; `limited_memory.rs` takes the same products in one pass).
 //!
 //! *Pairs.* A step begins without any: another x̃ makes another `G`, and pairs of the step before made line searches
@@ -140,7 +140,7 @@ impl QuasiNewton {
     ) -> Result<Advance, ContactError> {
         self.linearize_contacts(objective, point, contact);
         let mut done = Advance {
-            solves: match self.is_touching() {
+            solves: match self.uses_newton_direction() {
                 true => self.find_newton_direction(objective, global, point),
                 false => self.find_direction(global, coarse, point),
             },
@@ -228,13 +228,13 @@ impl QuasiNewton {
         });
         let fraction = radius.trust(&self.direction).fraction;
         if fraction < 1.0 {
-            self.direction.iter_mut().for_each(|p| *p *= fraction);
+            self.direction.iter_mut().for_each(|d| *d *= fraction);
         }
         fraction < 1.0
     }
 
     /// Whether a contact was active where the last iteration began, and directions are those of Newton's method.
-    pub(crate) fn is_touching(&self) -> bool {
+    pub(crate) fn uses_newton_direction(&self) -> bool {
         let system = self.contact_system.as_ref();
         self.requested > 0 && system.is_some_and(|system| !system.rows.is_empty())
     }
@@ -304,16 +304,16 @@ impl QuasiNewton {
         let Some(contact) = contact else {
             return Ok(());
         };
-        self.place(point);
+        self.write_positions(point);
         self.fractions.resize(point.positions.len(), 1.0);
         contact.limit_each(
             &point.positions,
             &mut self.next.positions,
             &mut self.fractions,
         )?;
-        for (p, fraction) in self.direction.iter_mut().zip(&self.fractions) {
+        for (d, fraction) in self.direction.iter_mut().zip(&self.fractions) {
             if *fraction < 1.0 {
-                *p *= *fraction;
+                *d *= *fraction;
             }
         }
         Ok(())
@@ -324,15 +324,15 @@ impl QuasiNewton {
         let Some(contact) = contact else {
             return Ok(1.0);
         };
-        self.place(point);
+        self.write_positions(point);
         contact.limit(&point.positions, &self.next.positions)
     }
 
     /// Fills in the positions (m) at the end of the direction.
-    fn place(&mut self, point: &Point) {
+    fn write_positions(&mut self, point: &Point) {
         let moves = point.positions.iter().zip(&self.direction);
         let ends = self.next.positions.iter_mut().zip(moves);
-        ends.for_each(|(to, (x, p))| *to = x + p);
+        ends.for_each(|(to, (x, d))| *to = x + d);
     }
 
     /// `direction = −B g` with `B` the inverse Hessian that the pairs make of the first one. Returns the number of
@@ -346,12 +346,12 @@ impl QuasiNewton {
         let mut solves = 0;
         let contact_system = &mut self.contact_system;
         // The grid knows nothing of contacts.
-        let is_touched = contact_system.as_ref().is_some_and(|s| !s.rows.is_empty());
+        let has_active_contacts = contact_system.as_ref().is_some_and(|s| !s.rows.is_empty());
         let first_inverse = |r: &[Vec3], z: &mut [Vec3]| {
             let direct = &mut *z;
             let mut solve = || solves = solve(contact_system, global, r, direct);
             match coarse {
-                Some(coarse) if coarse.is_ready() && !is_touched => {
+                Some(coarse) if coarse.is_ready() && !has_active_contacts => {
                     join(r.len(), solve, || coarse.solve(r));
                     coarse.add_correction(z);
                 }
@@ -407,7 +407,7 @@ impl QuasiNewton {
         found
     }
 
-    /// Makes `next`, which is `length` times the direction away, the point, and remembers the difference.
+    /// Makes `next`, which is `length` times the direction away, the point, and stores the difference.
     fn accept(&mut self, point: &mut Point, length: Real) {
         std::mem::swap(point, &mut self.next);
         let (old, new) = (&self.next.gradient, &point.gradient);

@@ -263,7 +263,7 @@ impl PdSolver {
             components.find_supported(&[]);
             return Ok(());
         }
-        self.objective.place(&mut self.point);
+        self.objective.write_positions(&mut self.point);
         method.linearize_contacts(&self.objective, &self.point, contact);
         if let Some(system) = method.contact_system() {
             components.find_supported(&system.rows);
@@ -305,9 +305,9 @@ impl PdSolver {
             }
         }
         if let Some(coarse) = &mut self.coarse {
-            self.objective.place(&mut self.point);
-            let (families, ties) = (&self.objective.families, &self.objective.attachments);
-            coarse.prepare(families, ties, &self.point.positions, input.dt);
+            self.objective.write_positions(&mut self.point);
+            let (families, attachments) = (&self.objective.families, &self.objective.attachments);
+            coarse.prepare(families, attachments, &self.point.positions, input.dt);
         }
         let is_coarse_ready = self.coarse.as_ref().is_some_and(CoarseGrid::is_ready);
         report.coarse_fallbacks += u32::from(self.lattice.is_some() && !is_coarse_ready);
@@ -317,12 +317,12 @@ impl PdSolver {
                     .as_ref()
                     .is_some_and(|c| c.has_free_bodies() || input.load.is_some()));
         let first = report.iterations;
-        let goes_on = self.config.iterations.is_none();
-        let knows_its_end =
+        let has_no_fixed_count = self.config.iterations.is_none();
+        let has_convergence_test =
             self.config.tolerance.is_some() || matches!(self.method, Method::QuasiNewton(_));
         let most = match self.config.iterations {
             Some(iterations) => iterations,
-            None if knows_its_end => self.config.most_iterations,
+            None if has_convergence_test => self.config.most_iterations,
             None => MIN_ITERATIONS,
         };
         let last = first + most;
@@ -331,16 +331,21 @@ impl PdSolver {
         loop {
             let is_last = report.iterations == last;
             // A number of iterations is all that may have been asked for.
-            let looks_for_end = self.config.tolerance.is_some() || (goes_on && knows_its_end);
-            report.unfinished = u32::from(is_last && looks_for_end);
+            let checks_convergence =
+                self.config.tolerance.is_some() || (has_no_fixed_count && has_convergence_test);
+            report.unfinished = u32::from(is_last && checks_convergence);
             if is_last && self.config.tolerance.is_none() {
                 return Ok(Outcome::BudgetSpent);
             }
             if !self.point.is_evaluated {
                 self.objective.evaluate(&mut self.point, contact); // the local step
             }
-            let flies = goes_on && report.iterations == first && self.flies();
-            if flies || self.is_converged(reference, report, contact) || self.is_balanced() {
+            let is_in_free_fall =
+                has_no_fixed_count && report.iterations == first && self.is_in_free_fall();
+            if is_in_free_fall
+                || self.is_converged(reference, report, contact)
+                || self.is_balanced()
+            {
                 report.unfinished = 0;
                 return Ok(Outcome::Converged);
             }
@@ -353,9 +358,9 @@ impl PdSolver {
                 return Ok(Outcome::BudgetSpent);
             }
             let oldest = &mut values[report.iterations as usize % DECREASE_WINDOW];
-            let gain = std::mem::replace(oldest, self.point.value) - self.point.value;
-            if goes_on && self.config.tolerance.is_none() {
-                let (least, part) = match (is_driven, self.has_contact()) {
+            let decrease = std::mem::replace(oldest, self.point.value) - self.point.value;
+            if has_no_fixed_count && self.config.tolerance.is_none() {
+                let (least, fraction) = match (is_driven, self.has_contact()) {
                     (true, _) => (MIN_ITERATIONS_IN_CONTACT, MOVING_PIN_TOLERANCE_FACTOR),
                     (false, true) => (MIN_ITERATIONS_IN_CONTACT, 1.0),
                     (false, false) => (MIN_ITERATIONS, NO_CONTACT_TOLERANCE_FACTOR),
@@ -365,13 +370,15 @@ impl PdSolver {
                     (true, true) => MIN_NEWTON_ITERATIONS_DRIVEN,
                     (false, _) => least,
                 };
-                if report.iterations >= first + least && self.is_near(part, gain) {
+                if report.iterations >= first + least
+                    && self.meets_velocity_tolerance(fraction, decrease)
+                {
                     return Ok(Outcome::Converged);
                 }
             }
             if let Some(observer) = &mut input.observer {
                 if !self.point.is_evaluated {
-                    self.objective.place(&mut self.point);
+                    self.objective.write_positions(&mut self.point);
                 }
                 observer.iteration(report.iterations, &self.point.positions);
             }
@@ -469,7 +476,7 @@ impl PdSolver {
     /// `x[1] = x`, `v[1] = (x − x[0])/Δt`.
     fn find_velocities(&mut self, state: &State, dt: Real) -> Result<(), StepError> {
         let step = state.steps + 1;
-        self.objective.place(&mut self.point);
+        self.objective.write_positions(&mut self.point);
         let particles = &self.objective.particles;
         for (vertex, v) in self.velocities.iter_mut().enumerate() {
             *v = if particles.is_prescribed(vertex) {

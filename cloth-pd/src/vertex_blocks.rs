@@ -18,7 +18,7 @@ pub(crate) fn of(vertex: u32) -> usize {
 /// The elements of a family, by blocks of vertices with consecutive numbers.
 ///
 /// Each block visits the elements that touch it and adds to its own vertices only; an element on the border of two
-/// blocks is visited by both. So no two threads write to the same place, and every vertex adds up the same numbers in
+/// blocks is visited by both. So no two threads write to the same entry, and every vertex adds up the same numbers in
 /// the same order on any number of threads. A number per element is added up by the block of its first vertex.
 ///
 /// Meshes are mostly numbered along rows, and then the edges of one direction have their ends one after another as
@@ -142,8 +142,8 @@ fn sum_batch<'a, const N: usize, const K: usize, E: Projective<N, K>>(
         let (vertices, operator) = (element.vertices(), element.operator());
         for i in 0..N {
             // Wraps to a large number for a vertex before the block, and finds nothing.
-            let place = (vertices[i] as usize).wrapping_sub(index * CHUNK);
-            if let Some(out) = out.get_mut(place) {
+            let slot = (vertices[i] as usize).wrapping_sub(index * CHUNK);
+            if let Some(out) = out.get_mut(slot) {
                 *out += force_on(&operator, force, i);
             }
         }

@@ -25,7 +25,7 @@ pub struct WoodburyUpdate {
 }
 
 impl WoodburyUpdate {
-    /// Forgets all columns.
+    /// Removes all columns.
     pub fn clear(&mut self) {
         self.entries.clear();
         self.ends.clear();

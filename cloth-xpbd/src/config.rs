@@ -11,25 +11,25 @@ use cloth_core::method::position_based::{Acceleration, Sweep};
 /// contradict one another. The slowest part of the error is multiplied by one factor ρ a sweep: a factor of e takes
 /// `1/(−ln ρ)` sweeps. In a straight chain A is tridiagonal, with `wᵢ₋₁ + wᵢ + α̃` on the diagonal and `−wᵢ` beside it,
 /// and the ρ of Gauss–Seidel is the square of that of Jacobi (D. Young, "Iterative solution of large linear systems",
-/// 1971). With `κ = 2 k h² w`:
+/// 1971). With `η = 2 k h² w`:
 ///
 /// | chain | ρ |
 /// |---|---|
 /// | N rigid links, equal masses, held by one end | `cos²(π/(2N))` |
-/// | N springs of κ, equal masses, both ends free | `cos²(π/(N + 1))/(1 + 1/κ)²` |
+/// | N springs of η, equal masses, both ends free | `cos²(π/(N + 1))/(1 + 1/η)²` |
 /// | two rigid links, hung: a mass m, below it r m | `r/(1 + r)` |
 /// | N rigid links, hung: masses m, the last one r m, r well above N | about `1 − 1/(r (N − 1))` |
 ///
 /// The last line is a Rayleigh quotient: with equal λ in all links `λᵀAλ` is the w of the tip alone, `1/(r m)`, and the
 /// diagonal makes `2 (N − 1)/m`. That gives Jacobi's `1 − ρ`, and Gauss–Seidel has twice that.
 ///
-/// - **Stiffness**: with both ends free and κ well above 1, sweeps for a factor of e are about `1/(2/κ + π²/(N + 1)²)`.
-///   For `1 ≪ κ ≪ N²` this is κ/2, in proportion to k. The two terms are equal at `κ = 2 (N + 1)²/π²`, some N²/5. For κ
-///   far above that it is `(N + 1)²/π²`, however stiff the springs are: a hard row is no slower. For κ of 1 or less it
-///   is less than one sweep, at most `1/(2 ln(1 + 1/κ))`, 0.72 at κ = 1: such springs are soft for the step, and one
+/// - **Stiffness**: with both ends free and η well above 1, sweeps for a factor of e are about `1/(2/η + π²/(N + 1)²)`.
+///   For `1 ≪ η ≪ N²` this is η/2, in proportion to k. The two terms are equal at `η = 2 (N + 1)²/π²`, some N²/5. For η
+///   far above that it is `(N + 1)²/π²`, however stiff the springs are: a hard row is no slower. For η of 1 or less it
+///   is less than one sweep, at most `1/(2 ln(1 + 1/η))`, 0.72 at η = 1: such springs are soft for the step, and one
 ///   sweep does.
 /// - **Resolution**: on a sheet of n vertices a side and the same material, w goes with n² and k is constant. At the
-///   same h both `κ/2` and N² grow with n², and so do the sweeps. With h ~ 1/n, n times the substeps, κ is constant:
+///   same h both `η/2` and N² grow with n², and so do the sweeps. With h ~ 1/n, n times the substeps, η is constant:
 ///   then one sweep a substep corrects the same fraction on any mesh, at the cost of n substeps and not n² sweeps.
 /// - **Mass ratio**: with a heavy tip a factor of e takes some `r (N − 1)` sweeps in the place of `4N²/π²`, so for 24
 ///   links and r = 1000 some 23,000 in the place of 230. A light tip costs none. Springs take fewer: 1/r becomes

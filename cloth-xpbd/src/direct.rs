@@ -75,11 +75,11 @@
 //! and linear momentum is kept. But links point in slightly other directions, so a path or a hanging shape lies beside
 //! the right one. How far:
 //!
-//! - *In one step.* The [limits](crate#limits) have the part ε of `G(x̃) − G*` that converged sweeps leave. G is nearly
-//!   a parabola about its minimum, so √ε is the distance left, as a part of that from x̃ to the implicit Euler step (in
-//!   the norm of G): for the swinging chain of 200 N/m 3.1 % at 1/60 s, 0.5 % at 1/240 s, 0.04 % at 1/960 s. Rows that
-//!   accelerate a vertex by a take it h² a away from x̃. For a = 2 g that is 5.5 mm at 1/60 s, and the error some
-//!   0.2 mm; at 1/240 s it is 0.34 mm, and the error some 2 µm.
+//! - *In one step.* The [limits](crate#limits) have the fraction ε of `G(x̃) − G*` that converged sweeps leave. G is
+//!   nearly a parabola about its minimum, so √ε is the distance left, as a fraction of that from x̃ to the implicit
+//!   Euler step (in the norm of G): for the swinging chain of 200 N/m 3.1 % at 1/60 s, 0.5 % at 1/240 s, 0.04 % at
+//!   1/960 s. Rows that accelerate a vertex by a take it h² a away from x̃. For a = 2 g that is 5.5 mm at 1/60 s, and
+//!   the error some 0.2 mm; at 1/240 s it is 0.34 mm, and the error some 2 µm.
 //! - *With smaller steps.* In the first step of a chain that has been set in motion (`tests/all/direct/convergence.rs`,
 //!   `where_links_turn_…`) the distance to where this solver ends becomes more than 64 times smaller from 1/60 to
 //!   1/240 s, and again to 1/960 s: an order above 3 in h. Divided by h it is an error of the velocity. If those of the
@@ -177,10 +177,10 @@
 //! V^1.6.
 //!
 //! **Against stiffness** the crossover is not measured: each scene above has one k. An iteration here costs the same
-//! for any k, ∞ too, and their number depends on how far rows turn. Sweeps for a factor of e grow as κ/2, with
-//! `κ = 2 k h² w`, up to some `N²/π²` in a chain with free ends ([rates](crate::XpbdConfig#how-fast-sweeps-converge)).
+//! for any k, ∞ too, and their number depends on how far rows turn. Sweeps for a factor of e grow as η/2, with
+//! `η = 2 k h² w`, up to some `N²/π²` in a chain with free ends ([rates](crate::XpbdConfig#how-fast-sweeps-converge)).
 //! An estimate from that, for the 100 links of equal masses and an error of 1e-6, e⁻¹⁴: the direct step takes as long
-//! as some 470 sweeps, so the two are even at about `κ = 2 · 470/14 = 67`. Softer chains are cheaper by sweeps, stiffer
+//! as some 470 sweeps, so the two are even at about `η = 2 · 470/14 = 67`. Softer chains are cheaper by sweeps, stiffer
 //! ones here.
 //!
 //! With the heavy tip 200 substeps strain the 100 links by up to 1.2 % at the end, 2000 by 0.41 %, as 20 000 do. So for

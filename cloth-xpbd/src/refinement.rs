@@ -37,10 +37,10 @@ use std::f64::consts::SQRT_2;
 
 /// Most times as many substeps as the settings have.
 const MOST: Real = 8.0;
-/// Where twice as many substeps leave more than this part of the gain, they do not help.
-const HELPS: Real = 0.8;
-/// Part of the accepted gain below which fewer substeps may do.
-const CALM: Real = 0.5;
+/// Where twice as many substeps leave more than this fraction of the gain, they do not help.
+const MAX_REMAINING_GAIN: Real = 0.8;
+/// Fraction of the accepted gain below which fewer substeps may do.
+const COARSENING_THRESHOLD: Real = 0.5;
 /// Most steps for which a number of substeps is kept because fewer have failed.
 const LONGEST: u32 = 16;
 
@@ -52,17 +52,17 @@ pub(crate) struct Refinement {
     /// K + E (J) as the last step has left it, or where the first one begins.
     pub(crate) held: Option<Real>,
     /// The scale of energy (J): the largest so far.
-    in_play: Real,
+    energy_scale: Real,
     /// What the last steps have gained (J), less what was lost after it.
     gained: Real,
     /// The gain (J) of the step that is being tried, with half as many substeps.
     coarser: Real,
     factor: Real,
-    /// Whether the factor is one that calm has lowered.
+    /// Whether the factor is one that was lowered below [`COARSENING_THRESHOLD`].
     is_lowered: bool,
     /// For how many more steps it is kept, and for how many after the next failure.
     kept: u32,
-    patience: u32,
+    retry_interval: u32,
 }
 
 impl Refinement {
@@ -70,13 +70,13 @@ impl Refinement {
         Self {
             tolerance,
             held: None,
-            in_play: 0.0,
+            energy_scale: 0.0,
             gained: 0.0,
             coarser: Real::INFINITY,
             factor: 1.0,
             is_lowered: false,
             kept: 0,
-            patience: 1,
+            retry_interval: 1,
         }
     }
 
@@ -89,14 +89,14 @@ impl Refinement {
     pub(crate) fn refines(&mut self, [before, after]: [Real; 2], given: Real) -> bool {
         let gain = after - before - given;
         let held = self.held.unwrap_or(before);
-        self.in_play = self.in_play.max(held).max(held + given);
-        let most = self.tolerance * self.in_play;
+        self.energy_scale = self.energy_scale.max(held).max(held + given);
+        let most = self.tolerance * self.energy_scale;
         let gained = self.gained + gain;
-        let helps = gain > 0.0 && gain < HELPS * self.coarser;
+        let helps = gain > 0.0 && gain < MAX_REMAINING_GAIN * self.coarser;
         if gained > most && helps && self.factor < MOST {
             if self.coarser.is_infinite() {
-                self.kept = self.patience;
-                self.patience = (2 * self.patience).min(LONGEST);
+                self.kept = self.retry_interval;
+                self.retry_interval = (2 * self.retry_interval).min(LONGEST);
             }
             let back = if self.is_lowered { SQRT_2 } else { 2.0 };
             self.factor = (self.factor * back).min(MOST);
@@ -106,11 +106,11 @@ impl Refinement {
         self.held = Some(after);
         (self.coarser, self.gained) = (Real::INFINITY, gained.max(0.0));
         if self.is_lowered {
-            self.patience = 1;
+            self.retry_interval = 1;
         }
         if self.kept > 0 {
             self.kept -= 1;
-        } else if self.factor > 1.0 && gained < CALM * most {
+        } else if self.factor > 1.0 && gained < COARSENING_THRESHOLD * most {
             self.factor = (self.factor / SQRT_2).max(1.0);
             self.is_lowered = true;
         }

@@ -25,21 +25,21 @@ use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
 /// | quadratic hinge, three rows | 56 + 16 + 96 + 224 = 392 | 81 | three quotients |
 ///
 /// That is one operation for five bytes. Over the [times of a sweep](crate#what-a-sweep-costs) at 64 vertices a side it
-/// makes 34 GB/s and 6 Gflop/s for springs, 50 GB/s and 10 Gflop/s for hinges. So in the cache, of 75 GB/s, springs are
-/// not bound by bytes. What takes the time is the chain of each: load, root, quotient, store. Those of a colour do not
-/// wait for one another; a loop in the order of the vertices takes 2.6 times as long, over about as many bytes. Single
-/// precision, four springs at a time and half the bytes, takes half as long. Hinges are nearer to the limit of the
-/// cache. Where the cloth is larger than that, a spring takes at least 83 bytes from memory, its 64 and a third of the
-/// 56 of a vertex; sweeping [block by block](crate#the-step) keeps the vertices of a block in the cache.
+/// makes 34 GB/s and 6 Gflop/s for springs, 50 GB/s and 10 Gflop/s for hinges. So in the cache springs are not bound by
+/// bytes. What takes the time is the chain of each: load, root, quotient, store. Those of a colour do not wait for one
+/// another; a loop in the order of the vertices takes 2.6 times as long, over about as many bytes. Single precision,
+/// four springs at a time and half the bytes, takes half as long. Hinges are nearer to the limit of the cache. Where
+/// the cloth is larger than that, a spring takes at least 83 bytes from memory, its 64 and a third of the 56 of a
+/// vertex; sweeping [block by block](crate#the-step) keeps the vertices of a block in the cache.
 ///
 /// **The rest of a substep**, without contact, damping and extrapolation, is 248 bytes and 21 operations a vertex (152
 /// bytes for x̃ and its copy, 96 for the velocities) and 32 bytes a row, to set λ to zero. The alternating grid has
-/// about three springs and three hinges a vertex, so twelve rows: 632 bytes beside the 1704 of one sweep. At 75 GB/s
-/// that is 8 ns a vertex, beside `3 (5.2 + 7.9) = 39` ns. So a step of V vertices in s substeps of n sweeps takes some
-/// `s V (39 n + 8)` ns on that machine, and the whole is linear in V for given s and n. What begins and ends a step
-/// (copies of x and v, a test of all numbers) is some 300 bytes a vertex, once. On another machine the sheet of 64 × 64
-/// under [when not to use](crate#when-not-to-use-this-method) takes `44 ms/(177 · 4096) = 61` ns a vertex and substep,
-/// all in.
+/// about three springs and three hinges a vertex, so twelve rows: 632 bytes beside the 1704 of one sweep. At the 50
+/// GB/s of hinges that is 13 ns a vertex, beside `3 (5.2 + 7.9) = 39` ns. So a step of V vertices in s substeps of n
+/// sweeps takes at most some `s V (39 n + 13)` ns on that machine, and the whole is linear in V for given s and n. What
+/// begins and ends a step (copies of x and v, a test of all numbers) is some 300 bytes a vertex, once. On another
+/// machine the sheet of 64 × 64 under [when not to use](crate#when-not-to-use-this-method) takes
+/// `44 ms/(177 · 4096) = 61` ns a vertex and substep, all in.
 ///
 /// **The two parts measured** (2 cores of an Intel Xeon VM, commit 3158c95, median of 60 steps,
 /// `cargo run --release -p cloth-bench -- run hang --n 64 --steps 60 --method xpbd --threads 1` with

@@ -44,10 +44,11 @@ use cloth_core::particles::Particles;
 const IMPACT_COEFFICIENT: Real = 2.0;
 const WEIGHT_COEFFICIENT: Real = 3.6;
 const TENSION_COEFFICIENT: Real = 0.65;
-/// Part of the strain of the springs, or of the wanted one without springs that yield, that a lasting tension may add.
-const LASTING: Real = 0.02;
-/// Part of the wanted strain that it may always add.
-const UNSEEN: Real = 2e-4;
+/// Fraction of the strain of the springs, or of the wanted one without springs that yield, that a lasting tension may
+/// add.
+const TENSION_FRACTION: Real = 0.02;
+/// Fraction of the wanted strain that it may always add.
+const NEGLIGIBLE_FRACTION: Real = 2e-4;
 /// The longest substep (s).
 const LONGEST: Real = 1.0 / 1200.0;
 /// One edge in so many may be shorter than the l of the law.
@@ -170,9 +171,9 @@ impl SubstepRule {
         };
         let added = match stiffest > 0.0 && stiffest.is_finite() {
             // Sweeps divide what they leave, and not what the springs do.
-            true => (LASTING * self.tension / stiffest * Real::from(self.iterations))
-                .max(UNSEEN * strain),
-            false => LASTING * strain,
+            true => (TENSION_FRACTION * self.tension / stiffest * Real::from(self.iterations))
+                .max(NEGLIGIBLE_FRACTION * strain),
+            false => TENSION_FRACTION * strain,
         };
         // 0.65 T h²/m, divided by the sweeps.
         passing.min((added * mass / (TENSION_COEFFICIENT * self.tension)).sqrt())

@@ -106,7 +106,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         project_back(&mut contacts, &inverse_mass, mesh.positions(), &mut x)?;
     }
     let separation = SeparationProbe::new(&mesh).measure(&x)?;
-    let ways = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());
+    let displacements = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());
     let outcome = match report.outcome {
         UntangleOutcome::Untangled => "untangled",
         UntangleOutcome::Stalled => "stalled",
@@ -131,7 +131,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         ("contour_after", json!(report.length_after)),
         ("iterations", json!(report.iterations)),
         ("thickness", json!(thickness)),
-        ("farthest", json!(ways.fold(0.0, Real::max))),
+        ("farthest", json!(displacements.fold(0.0, Real::max))),
         ("min_distance", json!(separation.min_distance)),
         ("out", json!(out.map(|(path, _)| path))),
     ];

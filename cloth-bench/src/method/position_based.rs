@@ -31,8 +31,9 @@ crate::settings! {
         precision: Precision = "double",
             "of the sweeps: double, or single (springs and quadratic bending, coloured sweeps as they are)";
         energy_gain: Or<Auto, Option<Real>> = "auto" in Above(0.0),
-            "a step that gains more than this part of the energy in play is taken again with twice as many substeps, \
-             up to eight times as many; none: never; auto: 0.01 with substeps=auto in double precision, else none";
+            "a step that gains more than this fraction of the largest energy so far is taken again with twice as many \
+             substeps, up to eight times as many; none: never; auto: 0.01 with substeps=auto in double precision, else \
+             none";
     }
     /// Of sweeps.
     pub(super) struct Sweeps {

@@ -80,7 +80,7 @@ impl Summary {
         let (pinched, steps, most) = (self.pinched_steps, self.steps, self.most_pinched);
         (pinched > 0).then(|| {
             format!(
-                "bodies have pinched the cloth: in {pinched} of {steps} steps up to {most} of its vertices passed through one of them, since they had no free way (pinched=refuse ends the run instead)"
+                "bodies have pinched the cloth: in {pinched} of {steps} steps up to {most} of its vertices passed through one of them, since they had no feasible path (pinched=refuse ends the run instead)"
             )
         })
     }

@@ -149,9 +149,9 @@ impl ContactPotential for Timed {
         &mut self,
         from: &[Vec3],
         to: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError> {
-        self.change(|p| p.limit_each(from, to, parts))
+        self.change(|p| p.limit_each(from, to, fractions))
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {

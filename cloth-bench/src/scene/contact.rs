@@ -36,8 +36,8 @@ crate::settings! {
             "whether the cloth may pass through itself and through bodies at the start: yes (those pairs are let go, \
              and pulled apart during the run) or no (that is refused)";
         pinched: Pinched = "pass",
-            "cloth to which bodies leave no free way: pass (through one of them, until it is out again) or refuse (the \
-             run ends there)";
+            "cloth to which bodies leave no feasible path: pass (through one of them, until it is out again) or refuse \
+             (the run ends there)";
         broad_phase: BroadPhaseKind = "hierarchy",
             "what finds near triangles: hierarchy (a tree of boxes), spatial-hash or morton-grid; the motion is the \
              same with each, bit for bit";

@@ -64,7 +64,8 @@ fn pinched_cloth_passes_through_a_body_until_it_is_out() {
     }
 }
 
-/// Who wants no such passing gets an error with the vertex that has no way, in the step in which there is none.
+/// Who wants no such passing gets an error with the vertex that has no feasible path, in the step in which there is
+/// none.
 #[test]
 fn pinched_cloth_ends_a_run_that_refuses_it() {
     let (_, code, said) = run("implicit-euler", "80", &["--set", "pinched=refuse"]);

@@ -206,9 +206,9 @@ fn sheet_on_a_slope_slides_or_sticks() {
     let gap = THICKNESS - DENSITY * GRAVITY * cos / STIFFNESS;
     let place = |x: &Vec3| Vec3::new(x.x * cos - gap * sin, x.y, x.x * sin + gap * cos);
     let start: Vec<Vec3> = mesh.positions().iter().map(place).collect();
-    let way = |state: &State| {
-        let ways = state.positions.iter().zip(&start);
-        let sum: Real = ways
+    let mean_displacement = |state: &State| {
+        let displacements = state.positions.iter().zip(&start);
+        let sum: Real = displacements
             .map(|(x, from)| (from - x).dot(&Vec3::new(cos, 0.0, sin)))
             .sum();
         sum / start.len() as Real
@@ -228,22 +228,22 @@ fn sheet_on_a_slope_slides_or_sticks() {
         } else {
             1e-2 * THICKNESS * sin / (friction * cos)
         };
-        let found = way(&state);
+        let found = mean_displacement(&state);
         assert!(
             (found / expected - 1.0).abs() < 1e-6,
             "{name}, μ = {friction}: {found:e} m for {expected:e} m"
         );
         if pull < 0.0 {
             run(&mut *stepper, &mut contacts, &mut state, 100, |_, _| {});
-            assert!((way(&state) - found).abs() < 1e-12);
+            assert!((mean_displacement(&state) - found).abs() < 1e-12);
         }
     }
     let mut contacts = contacts(&mesh, Some(slope()), 0.3);
     let mut state = State::at_rest(start.clone());
-    let mut ways = Vec::new();
-    let note = |state: &State, _: &PotentialContacts| ways.push(way(state));
+    let mut displacements = Vec::new();
+    let note = |state: &State, _: &PotentialContacts| displacements.push(mean_displacement(state));
     run(&mut *midpoint(&model), &mut contacts, &mut state, 60, note);
-    let found = (ways[59] - 2.0 * ways[49] + ways[39]) * 36.0;
+    let found = (displacements[59] - 2.0 * displacements[49] + displacements[39]) * 36.0;
     let expected = GRAVITY * (sin - 0.3 * cos);
     assert!((found / expected - 1.0).abs() < 1e-6, "{found} m/s²");
 }

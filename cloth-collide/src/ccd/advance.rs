@@ -13,7 +13,7 @@ use cloth_core::math::{Real, Vec3};
 pub(super) const MOST_STEPS: u32 = 96;
 
 /// Steps in `f64` before it is left to double-double numbers, where that can be used.
-const PATIENCE: u32 = MOST_STEPS - fine::BUDGET;
+const COARSE_BUDGET: u32 = MOST_STEPS - fine::BUDGET;
 
 /// A polygon that is followed while it is certain to be further than the separation from the origin.
 pub(super) struct Walk<const K: usize> {
@@ -34,7 +34,7 @@ where
         };
         let walk = Self { polygon, margin };
         let may_touch = separation == 0.0;
-        let budget = if may_touch { PATIENCE } else { MOST_STEPS };
+        let budget = if may_touch { COARSE_BUDGET } else { MOST_STEPS };
         let (impact, trial) = walk.coarse(slack, budget);
         let Impact { time, stop } = impact?;
         let is_unclear = match stop {
@@ -57,7 +57,7 @@ where
         let after = after.map(Into::into);
         // Near the boundary of the face the origin may pass it by.
         let inside = |x: &[Vec3; K]| x.depth_inside() > 1e-6;
-        let across = |n: Vec3| self.margin.clearance(-n, &after) > 0.0;
+        let across = |n: Vec3| self.margin.certified_gap(-n, &after) > 0.0;
         inside(&before) && inside(&after) && steady(Feature::Face, &before).is_some_and(across)
     }
 

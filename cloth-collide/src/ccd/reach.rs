@@ -44,7 +44,7 @@ pub(super) struct Margin {
 impl Margin {
     /// How much further than d the polygon `x` certainly is (own unit), going by the unit vector `direction`. Not
     /// positive: nothing is certain.
-    pub(super) fn clearance<const K: usize>(self, direction: Vec3, x: &[Vec3; K]) -> Real {
+    pub(super) fn certified_gap<const K: usize>(self, direction: Vec3, x: &[Vec3; K]) -> Real {
         let nearest = x.iter().map(|x| direction.dot(x));
         nearest.fold(Real::INFINITY, Real::min) - self.limit(direction)
     }

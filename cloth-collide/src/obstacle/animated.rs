@@ -67,10 +67,10 @@ impl AnimatedMesh {
         let last = self.shapes.len() - 1;
         let place = (time / self.interval).clamp(0.0, last as Real);
         let first = (place as usize).min(last.saturating_sub(1));
-        let part = place - first as Real;
+        let fraction = place - first as Real;
         let (a, b) = (&self.shapes[first], &self.shapes[(first + 1).min(last)]);
         for ((x, a), b) in out.iter_mut().zip(a).zip(b) {
-            *x = a + (b - a) * part;
+            *x = a + (b - a) * fraction;
         }
     }
 }

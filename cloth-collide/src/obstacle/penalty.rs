@@ -91,7 +91,7 @@ impl PenaltyLaw {
         if gap >= self.range {
             return 0.0;
         }
-        let part = 0.5 * self.range / gap.max(FLOOR * self.range);
-        self.stiffness * (part * part).max(1.0)
+        let ratio = 0.5 * self.range / gap.max(FLOOR * self.range);
+        self.stiffness * (ratio * ratio).max(1.0)
     }
 }

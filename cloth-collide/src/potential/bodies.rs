@@ -1,6 +1,6 @@
 //! Vertices before bodies, as constraints whose distance is evaluated in every sweep.
 
-use super::constraints::{KEPT, LEAST, SLACK};
+use super::constraints::{DETECTION_MARGIN, KEPT, LEAST};
 use super::forces::Ledger;
 use super::friction::ALONE;
 use super::near::Near;
@@ -107,7 +107,7 @@ impl Bodies {
     pub(super) fn begin(&mut self, substep: &Substep<'_>, to: &[Vec3]) {
         self.list.clear();
         self.has_constraint.fill(false);
-        let reach = substep.near.law.range() * (1.0 + SLACK);
+        let reach = substep.near.law.range() * (1.0 + DETECTION_MARGIN);
         self.each_near(substep, to, reach, |bodies, index, contact| {
             contact.set_law(substep);
             contact.state.origin -= bodies.tangential[index];
@@ -183,7 +183,7 @@ impl Bodies {
             let first = number * substep.near.cloth;
             for (vertex, (x, w)) in x.iter().zip(substep.step.inverse_mass).enumerate() {
                 if *w > 0.0 && !substep.near.is_inside(vertex) {
-                    let bound = self.bounds[first + vertex] - h * (1.0 + SLACK);
+                    let bound = self.bounds[first + vertex] - h * (1.0 + DETECTION_MARGIN);
                     let displacement = (x - self.places[first + vertex]).norm();
                     least = least.min(bound / body.shape().lipschitz() - displacement);
                 }
@@ -230,7 +230,7 @@ impl Bodies {
         violated.map(|contact| contact.vertex)
     }
 
-    /// Constraints of those, on the way to `x` (m), give in no more.
+    /// Constraints of those, on the path to `x` (m), give in no more.
     pub(super) fn harden(&mut self, substep: &Substep<'_>, x: &[Vec3]) {
         for contact in self.list.iter_mut().filter(|contact| contact.is_violated) {
             let at = substep
@@ -243,7 +243,7 @@ impl Bodies {
     }
 
     /// What is inside comes out in this substep, not in as many as its law would take.
-    pub(super) fn lead_out(&mut self) {
+    pub(super) fn move_out(&mut self) {
         for contact in self
             .list
             .iter_mut()

@@ -68,10 +68,10 @@ impl<'a> PotentialBuilder<'a> {
     }
 
     /// Distance h (m) at which contact begins, between a vertex and whatever is near it; edges push below h/2. Two
-    /// parts of one connected piece push from no farther than they are apart at rest, so h may be larger than an edge;
-    /// what shares a vertex is never a pair. Up to a tenth of an edge the stiffness means what it says to 1.3 times
-    /// (the limits of the [chapter](super)). A small h costs iterations: methods that minimise move by at most 10 h
-    /// between two searches for pairs. Cloth rests on cloth a little less than h apart, not 2 h.
+    /// primitives of one connected component push from no farther than they are apart at rest, so h may be larger than
+    /// an edge; what shares a vertex is never a pair. Up to a tenth of an edge the stiffness means what it says to 1.3
+    /// times (the limits of the [chapter](super)). A small h costs iterations: methods that minimise move by at most 10
+    /// h between two searches for pairs. Cloth rests on cloth a little less than h apart, not 2 h.
     #[must_use]
     pub fn thickness(mut self, thickness: Real) -> Self {
         self.thickness = thickness;
@@ -196,7 +196,7 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// Whether cloth to which bodies leave no free way passes through one of them until it is out again; see
+    /// Whether cloth to which bodies leave no feasible path passes through one of them until it is out again; see
     /// [pinched cloth](super#pinched-cloth). Unless told so, such a step is
     /// [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
     #[must_use]

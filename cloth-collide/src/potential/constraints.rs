@@ -1,12 +1,13 @@
 //! Contact as unilateral constraints: the view for methods that project positions.
 //!
-//! A substep of Δt goes from x₀. Each pair of pieces that can touch in it is a constraint n·Σ wᵢ xᵢ ≥ d̂, with the
-//! nearest points frozen at x₀ (or at an earlier substep, while the patches have hardly moved against each other: then
-//! cloth at rest has the same constraints in each), and what pushes is the law of the potential there: with stiffness k
-//! = A ψ″ and the range d̂ = d − ψ′/ψ″ where the tangent of the force ends, so that λ (kg m) over Δt² is the force k
-//! (d̂ − d) (N). XPBD's projection (Macklin et al. 2016, equation 18) with the compliance α̃ = 1/(k Δt²) and λ ≥ 0 is
+//! A substep of Δt goes from x₀. Each pair of primitives that can touch in it is a constraint n·Σ c_k x_k ≥ d₀, with
+//! the nearest points frozen at x₀ (or at an earlier substep, while the patches have hardly moved against each other:
+//! then cloth at rest has the same constraints in each), and what pushes is the law of the potential there: with
+//! stiffness k = A ψ″ and the range d₀ = d − ψ′/ψ″ where the tangent of the force ends, so that λ (kg m) over Δt² is
+//! the force k (d₀ − d) (N). XPBD's projection (Macklin et al. 2016, equation 18) with the compliance α̃ = 1/(k Δt²)
+//! and λ ≥ 0 is
 //!
-//! Δλ = max(−λ, −(C + α̃ λ)/(Σ wᵢ²/mᵢ + α̃)), C = n·Σ wᵢ xᵢ − d̂.
+//! Δλ = max(−λ, −(C + α̃ λ)/(Σ c_k²/m_k + α̃)), C = n·Σ c_k x_k − d₀.
 //!
 //! Friction holds the point where it was, with ‖f‖ ≤ μ λ; a point that sticks goes back to where it began to stick,
 //! however many substeps ago. For a body the distance is evaluated anew in each sweep ([`bodies`](super::bodies)).
@@ -27,9 +28,9 @@ use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::method::parallel::join;
 
-/// Allowance for motion beyond the predicted one in detection (in thicknesses).
-pub(super) const SLACK: Real = 0.05;
-/// The part of its distance, or of its range where that is less, that a pair keeps in a substep.
+/// Margin of detection for motion beyond the predicted one (in thicknesses).
+pub(super) const DETECTION_MARGIN: Real = 0.05;
+/// The fraction of its distance, or of its range where that is less, that a pair keeps in a substep.
 pub(super) const KEPT: Real = 0.1;
 /// Distances (in ranges) below which the law is that of this distance; and what a pair that is nearer comes back to at
 /// most when it has to.
@@ -41,8 +42,8 @@ const REPAIR_SWEEPS: u32 = 5;
 const HALVINGS: u32 = 3;
 const ROUNDS: u32 = 12;
 
-/// Sweeps that lead the start of a minimisation.
-pub(super) const LEADING_SWEEPS: u32 = 10;
+/// Sweeps that find the feasible start of a minimisation.
+pub(super) const FEASIBLE_START_SWEEPS: u32 = 10;
 
 /// What the constraints know.
 #[derive(Debug, Default)]
@@ -55,10 +56,10 @@ pub(super) struct Constraints {
     culled: CulledSubsteps,
     /// Whether the last step was taken with these constraints.
     pub(super) took_last: bool,
-    /// Whether the last substep led the start of a minimisation (`Contacts::lead`): the next one that does brings the
-    /// patches from its end to its own start, instead of forgetting them.
-    has_led: bool,
-    /// Where the sweeps have ended (m), and the part of the path there that each vertex goes.
+    /// Whether the last substep found the feasible start of a minimisation (`Contacts::find_feasible_start`): the next
+    /// one that does brings the patches from its end to its own start, instead of forgetting them.
+    has_found_start: bool,
+    /// Where the sweeps have ended (m), and the fraction of the path there that each vertex goes.
     proposed: Vec<Vec3>,
     fractions: Vec<Real>,
     /// Velocities (m/s) of the substep, if zones have ended it.
@@ -95,7 +96,7 @@ impl Constraints {
         self.iter().filter(|contact| contact.state.lambda > 0.0)
     }
 
-    /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n wᵢ/Δt² of the constraints.
+    /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n c_k/Δt² of the constraints.
     fn work_of_prescribed(&self, step: &ContactStep<'_>, x: &[Vec3]) -> Real {
         let mut sum = 0.0;
         if !step.inverse_mass.contains(&0.0) {
@@ -124,7 +125,7 @@ impl ContactConstraints for Contacts {
         constraints.report = ConstraintReport::default();
         constraints.work = 0.0;
         constraints.by_zones = false;
-        constraints.has_led = false;
+        constraints.has_found_start = false;
         if !(goes_on && constraints.took_last) {
             constraints.start_anew(&self.near, step.from, self.before.len());
         }
@@ -136,7 +137,7 @@ impl ContactConstraints for Contacts {
         step: &ContactStep<'_>,
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
-        if self.near.sets_out(step.from, predicted) {
+        if self.near.starts_moving(step.from, predicted) {
             self.constraints
                 .start_anew(&self.near, step.from, self.before.len());
         }
@@ -378,7 +379,7 @@ impl Contacts {
             let patches = constraints.patches.as_ref();
             let relative = patches.map_or(Some(Real::INFINITY), Patches::margin);
             let whole = constraints.bodies.margin(&substep, x);
-            // A body that nothing holds may set out in the next substep.
+            // A body that nothing holds may start to move in the next substep.
             let is_alone = self.free.list.is_empty();
             if let (Some(relative), Some(whole), true) = (relative, whole, is_alone) {
                 constraints.culled.begin(x, relative, whole);
@@ -398,30 +399,30 @@ impl Contacts {
         }
     }
 
-    /// Leads the start `x` (m) of an iteration around what prescribed vertices and bodies do in the step: a substep of
-    /// the constraints.
-    pub(super) fn lead(
+    /// Moves the start `x` (m) of an iteration to a feasible one, around what prescribed vertices and bodies do in the
+    /// step: a substep of the constraints.
+    pub(super) fn find_feasible_start(
         &mut self,
         step: &ContactStep<'_>,
         goes_on: bool,
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
         let constraints = &mut self.constraints;
-        let has_led = std::mem::take(&mut constraints.has_led);
+        let has_found_start = std::mem::take(&mut constraints.has_found_start);
         match &mut constraints.patches {
-            Some(patches) if goes_on && has_led => patches.skip(step.from),
+            Some(patches) if goes_on && has_found_start => patches.skip(step.from),
             _ => constraints.start_anew(&self.near, step.from, self.before.len()),
         }
         self.begin_substep(step, x)?;
-        self.constraints.bodies.lead_out();
-        for _ in 0..LEADING_SWEEPS {
+        self.constraints.bodies.move_out();
+        for _ in 0..FEASIBLE_START_SWEEPS {
             ContactConstraints::sweep(self, step, x);
         }
-        self.free.is_led = true;
+        self.free.finds_feasible_start = true;
         let ended = self.end_substep(step, x);
-        self.free.is_led = false;
+        self.free.finds_feasible_start = false;
         ended?;
-        self.constraints.has_led = true;
+        self.constraints.has_found_start = true;
         Ok(())
     }
 

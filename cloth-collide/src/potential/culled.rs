@@ -38,7 +38,7 @@ impl<P> CulledPairs<P> {
         self.next = self.next.min(excess_gap);
     }
 
-    /// Any two pieces have come nearer by at most `nearer` (m) since they were found. What is active stays so.
+    /// Any two primitives have come nearer by at most `nearer` (m) since they were found. What is active stays so.
     pub(super) fn activate(&mut self, nearer: Real) {
         if self.next > nearer {
             return;

@@ -43,8 +43,8 @@ pub(super) struct FreeBodies {
     pub(super) before_step: Vec<[Vec3; 2]>,
     /// Size (s) of a step of a method that minimises.
     pub(super) dt: Real,
-    /// Whether a start is led to where bodies go, so that impulses are none of theirs.
-    pub(super) is_led: bool,
+    /// Whether the substep only finds a feasible start, so that impulses are none of theirs.
+    pub(super) finds_feasible_start: bool,
     /// Work (J) in this step that they have done on the cloth, and that what stops them has done on them.
     pub(super) work: [Real; 2],
 }
@@ -130,7 +130,7 @@ impl Contacts {
     /// Adds up the impulses of the constraints on free bodies in a substep that ends at `x` (m), the bodies still
     /// being where they are at its start.
     pub(super) fn collect_impulses(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
-        if self.free.is_led {
+        if self.free.finds_feasible_start {
             return;
         }
         let constraints = &self.constraints;
@@ -159,7 +159,7 @@ impl Contacts {
         }
     }
 
-    /// Halts the free body that is nearest to a vertex (m) which has no free way, if there is one that moves: what
+    /// Halts the free body that is nearest to a vertex (m) which has no feasible path, if there is one that moves: what
     /// the cloth between it and something else cannot give way to has to stop. Returns whether there was.
     pub(super) fn halt_near(&mut self, x: Vec3) -> bool {
         let distance = |free: &FreeBody| self.bodies[free.number].0.signed_distance(x, 0.0).value;
@@ -194,7 +194,7 @@ impl Contacts {
 
     /// Free bodies take up their impulses of a (sub)step of `dt` (s).
     pub(super) fn push_free(&mut self, dt: Real) {
-        if !self.free.is_led {
+        if !self.free.finds_feasible_start {
             for free in &mut self.free.list {
                 let impulse = [0, 1].map(|k| free.impulse[k] + free.stop[k]);
                 free.body.push(&mut free.momenta, impulse, dt);

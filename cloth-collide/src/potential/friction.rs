@@ -45,7 +45,7 @@ pub(super) struct FrictionContact {
     pub(super) normal: Vec3,
     /// μ λ (N).
     pub(super) most: Real,
-    /// Σ w x (m) at the start, moved along with the body if there is one, less the tangential displacement then.
+    /// Σ c_k x_k (m) at the start, moved along with the body if there is one, less the tangential displacement then.
     pub(super) origin: Vec3,
 }
 
@@ -93,9 +93,9 @@ impl FrictionContact {
             let other = Vec3::ith(self.normal.iamin(), 1.0);
             self.normal.cross(&other).normalize()
         };
-        let part = reach / length.max(reach);
+        let fraction = reach / length.max(reach);
         let directions = [along, self.normal.cross(&along)];
-        let stiffnesses = [stiffness * part * part, stiffness];
+        let stiffnesses = [stiffness * fraction * fraction, stiffness];
         [0, 1].map(|i| ContactRow {
             vertices: self.vertices,
             weights: self.weights,

@@ -4,10 +4,11 @@
 //! rigid body nothing can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be
 //! rigid, vertices stay where they were: in each round at least one more of the finitely many, or the step is refused,
 //! so the rounds end. Everything is tested again after each change, so a step is free or refused. A zone turns by at
-//! most 1 rad on the way; where its angular momentum says more, the velocities have it and the places do not.
+//! most 1 rad on its path; where its angular momentum says more, the velocities have it and the places do not.
 //!
-//! Sources: Provot 1997 (see the [crate](crate#references)) and Bridson et al. 2002 (see
-//! [`obstacle`](crate::obstacle#references)).
+//! Bridson et al. 2002 (see the [chapter](super#references)) take three stages after each step: repulsions, impulses,
+//! rigid impact zones (Provot 1997, see the [crate](crate#references)). Here the potential in the solve takes the place
+//! of repulsions; pushes and zones run only where it was not enough.
 
 use super::bodies::Substep;
 use super::constraints::KEPT;
@@ -39,7 +40,7 @@ pub(super) struct LastResort {
     hits: Vec<Hit>,
     /// Vertices that get into a body, its number, and what moves them out (m).
     entering: Vec<([u32; 2], Vec3)>,
-    /// Where no way was found: vertices of the cloth, and bodies in their way.
+    /// Where no feasible path was found: vertices of the cloth, and bodies that block it.
     pub(super) blocked: Vec<[u32; 2]>,
     /// Where vertices would go without zones (m), and their displacements.
     free: Vec<Vec3>,
@@ -57,7 +58,7 @@ struct Hit {
 }
 
 impl Hit {
-    /// Pushes the two pieces apart, along the line between their nearest points where they come too near; both
+    /// Pushes the two primitives apart, along the line between their nearest points where they come too near; both
     /// positions (m) and velocities (m/s).
     fn push(&self, step: &ContactStep<'_>, x: &mut [Vec3], v: &mut [Vec3]) {
         let path = Query::of(self.pair, step.from, x);
@@ -190,7 +191,7 @@ impl LastResort {
         Ok(truncated)
     }
 
-    /// Tells which bodies are in the way of what.
+    /// Tells which bodies block what.
     fn find_blocked(&mut self, substep: &Substep<'_>) {
         let near = substep.near;
         self.blocked.clear();
@@ -230,7 +231,7 @@ impl LastResort {
                     let v = vertex as usize;
                     if !near.pinched.passes(v, number)
                         && let Some(out) =
-                            way_out(body, near.law_at(v).range(), [from, to], step.dt)
+                            displacement_out(body, near.law_at(v).range(), [from, to], step.dt)
                     {
                         self.entering.push(([vertex, number as u32], out));
                     }
@@ -244,7 +245,7 @@ impl LastResort {
 /// What moves a vertex (m) out of a body that it gets into on its path between two `ends` (m) in `dt` (s), or
 /// deeper into if it was there before, by more than a hundredth of the thickness: to the thickness from the tangent
 /// plane where they meet, moved on with the body.
-fn way_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Option<Vec3> {
+fn displacement_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Option<Vec3> {
     let start = body.signed_distance(ends[0], 0.0).value;
     let kept = if start > 0.0 {
         KEPT * start.min(thickness)

@@ -65,8 +65,8 @@ pub(crate) struct Near {
     pub(super) vertex_area: Vec<Real>,
     pub(super) edge_area: Vec<Real>,
     rest: Vec<Vec3>,
-    /// The connected piece that each vertex belongs to.
-    pub(super) piece: Vec<u32>,
+    /// The connected component that each vertex belongs to.
+    pub(super) component: Vec<u32>,
     pub(super) is_free: Vec<bool>,
     /// Prescribed vertices that have not been seen to move: nothing is detected between them.
     resting: Vec<u32>,
@@ -99,7 +99,7 @@ impl Near {
             cloth,
             surfaces,
             own,
-            piece: joined(mesh.vertex_count(), &incidence.edges),
+            component: joined(mesh.vertex_count(), &incidence.edges),
             incidence,
             vertex_area,
             edge_area,
@@ -131,9 +131,9 @@ impl Near {
         changed
     }
 
-    /// Takes notice of prescribed vertices that begin to move, from `from` to `to` (m). Returns whether there are any:
+    /// Records prescribed vertices that begin to move, from `from` to `to` (m). Returns whether there are any:
     /// what was found without them is not all.
-    pub(super) fn sets_out(&mut self, from: &[Vec3], to: &[Vec3]) -> bool {
+    pub(super) fn starts_moving(&mut self, from: &[Vec3], to: &[Vec3]) -> bool {
         let count = self.resting.len();
         let is_resting = &mut self.is_resting;
         self.resting.retain(|&vertex| {
@@ -287,7 +287,7 @@ impl Near {
         self.surfaces.iter().map(|side| side.body)
     }
 
-    /// Whether pieces of the mesh with these vertices can touch: bodies do not touch each other.
+    /// Whether primitives with these vertices can touch: bodies do not touch each other.
     pub(super) fn patches_meet(&self, vertices: [u32; 2]) -> bool {
         match vertices.map(|v| self.is_own(v)) {
             [true, true] => self.own.self_collision,
@@ -375,27 +375,27 @@ impl Near {
         area.min(corners.iter().sum::<Real>() / 3.0)
     }
 
-    /// The distance (m) from which on a pair pushes: for two parts of one piece no farther than they are apart at rest,
-    /// so that nothing is pushed away from its rest.
+    /// The distance (m) from which on a pair pushes: for two primitives of one component no farther than they are apart
+    /// at rest, so that nothing is pushed away from its rest.
     ///
     /// Cloth before cloth and before a body is pressed by its own vertices, which know the area that they stand for.
     /// What else there is, edges and the vertices of the body, pushes from half of the thickness on: nothing as long as
     /// the vertices do what is needed.
     pub(super) fn range_of(&self, Pair { kind, vertices }: Pair) -> Real {
         let [a, .., d] = vertices;
-        let part = match kind {
+        let fraction = match kind {
             QueryKind::EdgeEdge if !self.own.full_thickness => 0.5,
             _ => 1.0,
         };
         let between = self.thickness_between(vertices);
         let thickness = match (self.side(a), self.side(d)) {
-            (None, None) => part * between,
+            (None, None) => fraction * between,
             // Vertices before a distance that is off are pushed by it; the triangles keep them out where it is wrong.
             (None, Some(side)) if side.is_off() => return 0.5 * between,
-            (None, Some(_)) => return part * between,
+            (None, Some(_)) => return fraction * between,
             _ => return 0.5 * between,
         };
-        if self.piece[a as usize] != self.piece[d as usize] {
+        if self.component[a as usize] != self.component[d as usize] {
             return thickness;
         }
         let rest = Gap::new(kind, &gather(&self.rest, vertices)).distance;

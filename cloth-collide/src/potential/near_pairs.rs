@@ -69,7 +69,7 @@ pub(super) struct NearPairs {
     /// that distance (m). It changes by no more than the displacement from there.
     distances: Vec<(Vec3, Real)>,
     pub(super) vertex_obstacle: Vec<[u32; 2]>,
-    /// Scratch: the parts of paths (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
+    /// Scratch: the fractions of paths (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
     pub(super) fractions: [Vec<Real>; 2],
     /// Choices of pairs in this step.
     pub(super) choices: u32,

@@ -4,7 +4,7 @@ use super::near::Near;
 use crate::obstacle::{Obstacle, PenaltyLaw};
 use cloth_core::math::{Mat3, Real, Vec3};
 
-/// An eigenvalue below this part of the largest one is rounding.
+/// An eigenvalue below this fraction of the largest one is rounding.
 const SMALLEST: Real = 1e-9;
 
 /// A vertex before an obstacle: the energy A Σ w ψ(d) over the parts of its surface.

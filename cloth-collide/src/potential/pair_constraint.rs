@@ -1,6 +1,6 @@
-//! One unilateral constraint between two pieces: what it is made from, and how positions are projected onto it.
+//! One unilateral constraint between two primitives: what it is made from, and how positions are projected onto it.
 
-use super::constraints::{KEPT, LEAST, SLACK};
+use super::constraints::{DETECTION_MARGIN, KEPT, LEAST};
 use super::near::Near;
 use super::patches::NearPair;
 use super::tangent::{ConstraintState, Tangent};
@@ -10,7 +10,7 @@ use crate::pair::{Gap, Pair, ends, weighted};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
-/// Travel of patches (in thicknesses) during which the nearest points of two pieces stay what they are.
+/// Travel of patches (in thicknesses) during which the nearest points of two primitives stay what they are.
 const PERSISTENT: Real = 0.02;
 
 /// A pair that the motion of a substep may bring into contact.
@@ -25,9 +25,9 @@ pub(super) struct PairConstraint {
     pub(super) weights: [Real; 4],
     /// At the start of the substep (m).
     pub(super) distance: Real,
-    /// Of the point Σ wᵢ xᵢ (m).
+    /// Of the point Σ c_k x_k (m).
     pub(super) state: ConstraintState,
-    /// Σ wᵢ²/mᵢ (1/kg).
+    /// Σ c_k²/m_k (1/kg).
     pub(super) inverse_effective_mass: Real,
     /// Distance (m) at which the law begins, and the area (m²) that the pair stands for: at rest, and where its nearest
     /// points were found.
@@ -78,7 +78,7 @@ impl PairConstraint {
             approach: 0.0,
         });
         let contact = &mut constraints[index];
-        let apart = found.range + SLACK * near.law.range();
+        let apart = found.range + DETECTION_MARGIN * near.law.range();
         if last.is_some() {
             let now = contact.pair.gap_along(&contact.normal, step.from);
             if now > apart && contact.pair.gap_along(&contact.normal, to) > apart {
@@ -128,7 +128,7 @@ impl PairConstraint {
         let w = vertices.map(|v| step.inverse_mass[v as usize]);
         let squares = self.weights.iter().zip(w);
         self.inverse_effective_mass = squares.map(|(weight, w)| weight * weight * w).sum();
-        let reach = self.thickness + SLACK * near.law.range();
+        let reach = self.thickness + DETECTION_MARGIN * near.law.range();
         let comes = self.distance - self.approach.max(0.0) < reach;
         let is_at_boundary = self.weights.contains(&0.0);
         let faces = self.distance < self.thickness || !is_at_boundary;

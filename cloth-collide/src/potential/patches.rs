@@ -70,7 +70,7 @@ mod frame;
 mod measure;
 mod path;
 
-use super::constraints::SLACK;
+use super::constraints::DETECTION_MARGIN;
 use super::near::Near;
 use crate::bounds::Bounds;
 use crate::broad_phase::BroadPhase;
@@ -167,7 +167,7 @@ pub(super) struct Patches {
 
 impl Patches {
     pub(super) fn new(mesh: &TriMesh, near: &Near) -> Self {
-        let piece = &near.piece[..];
+        let component = &near.component[..];
         let edges = &near.incidence.edges;
         let x = mesh.positions();
         let length = |[a, b]: &[u32; 2]| (x[*a as usize] - x[*b as usize]).norm();
@@ -175,11 +175,11 @@ impl Patches {
         let edge = own().map(length).sum::<Real>() / own().count().max(1) as Real;
         let middle = |t: u32| gather(x, mesh.triangles()[t as usize]).iter().sum::<Vec3>() / 3.0;
         let mut all: Vec<u32> = (0..mesh.triangle_count() as u32).collect();
-        all.sort_by_key(|&t| piece[mesh.triangles()[t as usize][0] as usize]);
+        all.sort_by_key(|&t| component[mesh.triangles()[t as usize][0] as usize]);
         let mut members = Vec::new();
-        let of = |t: &u32| piece[mesh.triangles()[*t as usize][0] as usize];
-        for piece in all.chunk_by_mut(|a, b| of(a) == of(b)) {
-            halve(piece, &middle, &mut |triangles| {
+        let of = |t: &u32| component[mesh.triangles()[*t as usize][0] as usize];
+        for component in all.chunk_by_mut(|a, b| of(a) == of(b)) {
+            halve(component, &middle, &mut |triangles| {
                 let corners = triangles.iter().flat_map(|&t| mesh.triangles()[t as usize]);
                 let mut vertices: Vec<u32> = corners.collect();
                 vertices.sort_unstable();
@@ -290,13 +290,13 @@ impl Patches {
             self.reach = (2.0 * displacement).max(REACH * self.edge);
             self.search(near, x);
         }
-        let slack = SLACK * near.law.range();
+        let margin = DETECTION_MARGIN * near.law.range();
         let mut queries = std::mem::take(&mut self.queries);
         queries.clear();
         for k in 0..self.pairs.len() {
-            self.allowed[k] = self.allowed[k].max(self.left[k] - slack);
+            self.allowed[k] = self.allowed[k].max(self.left[k] - margin);
             if self.change(k, self.allowed[k]) > self.allowed[k] {
-                let once = self.change(k, 0.0) + slack;
+                let once = self.change(k, 0.0) + margin;
                 self.allowed[k] = once;
                 let now = self.moved(k, once);
                 queries.push(PatchQuery::new(k, now, once));

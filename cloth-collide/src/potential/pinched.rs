@@ -1,4 +1,4 @@
-//! Cloth that is pinched: bodies that close on it leave it no free way; see the [chapter](super#pinched-cloth).
+//! Cloth that is pinched: bodies that close on it leave it no feasible path; see the [chapter](super#pinched-cloth).
 //!
 //! Baraff, Witkin and Kass, "Untangling cloth", ACM Trans. Graph. 22, 2003, section 5.3,
 //! <https://doi.org/10.1145/882262.882357>, hold pinched vertices to the mean motion of both bodies instead.
@@ -74,8 +74,8 @@ impl Pinched {
 }
 
 impl Near {
-    /// Lets vertices pass, with their neighbours, through that of the bodies in their way that has the highest number:
-    /// a vertex and a body each. Returns whether any did not before.
+    /// Lets vertices pass, with their neighbours, through that of the bodies that block them that has the highest
+    /// number: a vertex and a body each. Returns whether any did not before.
     pub(super) fn let_pass(&mut self, blocked: &[[u32; 2]]) -> bool {
         let body = blocked.iter().map(|pair| pair[1]).max();
         let Some(body) = body.filter(|_| self.own.pinched_passes) else {
@@ -96,15 +96,15 @@ impl Near {
 }
 
 impl PotentialContacts {
-    /// How many vertices of the cloth pass through a body because bodies left them no free way, each counted once for
-    /// each body; see the [chapter](super#pinched-cloth).
+    /// How many vertices of the cloth pass through a body because bodies left them no feasible path, each counted once
+    /// for each body; see the [chapter](super#pinched-cloth).
     #[must_use]
     pub fn pinched(&self) -> usize {
         self.contacts.near.pinched.count()
     }
 
-    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others; and all before a
-    /// body that have a vertex in a region of `passing`, of pairs of a region and a body, until nothing crosses that.
+    /// From the next step on leaves out all pairs of primitives in two regions of a pair, and no others; and all before
+    /// a body that have a vertex in a region of `passing`, of pairs of a region and a body, until nothing crosses that.
     /// `region` numbers the regions of vertices from 1; 0 for none.
     pub(crate) fn exclude_crossing(
         &mut self,
@@ -130,7 +130,7 @@ impl PotentialContacts {
 
     /// Moves the vertices of a cloth at `x` (m) that pass through a body and are inside of it towards its surface, by
     /// at most `most` (m), but for prescribed ones.
-    pub(crate) fn lead_out(&self, x: &mut [Vec3], inverse_mass: &[Real], most: Real) {
+    pub(crate) fn move_out(&self, x: &mut [Vec3], inverse_mass: &[Real], most: Real) {
         let Contacts { near, bodies, .. } = &self.contacts;
         for (number, (body, _)) in bodies.iter().enumerate() {
             let passing = near.pinched.vertices(number);

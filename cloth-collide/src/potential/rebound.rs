@@ -1,15 +1,16 @@
-//! Restitution, of methods that project positions: what is hit is left with a part of the speed of the impact.
+//! Restitution, of methods that project positions: what is hit is left with a fraction of the speed of the impact.
 //!
 //! The law of contact gives back what it has stored, less what a method damps. With a coefficient of restitution e the
 //! velocities of a substep follow instead: a pair that approached with the speed u and has touched parts with e u
 //! (Müller et al. 2020, section 3.6; see the [chapter](super#references)), and one that parts already is not pushed to
 //! be faster: what the law has stored is lost.
 //!
-//! Let s be the relative velocity of a pair along n, and K = Σ wᵢ²/mᵢ the inverse effective mass. The impulse J = (e u
-//! − s)/K changes the velocities by J wᵢ n/mᵢ, and the kinetic energy by J s + ½ J² K = ((e u)² − s²)/(2 K). An impact
-//! at the speed u has s = −u at first, and takes (1 − e²) u²/(2 K) in all: nothing with e = 1, all of the relative
-//! motion along n with e = 0. Before a body at rest K = 1/m, so it is ½ m (1 − e²) u² of a vertex. Pairs are visited
-//! once: where they share vertices, a later one changes the speed of an earlier one, whose e u is not exact then.
+//! Let s be the relative velocity of a pair along n, and K = Σ c_k²/m_k the inverse effective mass. The impulse J = (e
+//! u − s)/K changes the velocities by J c_k n/m_k, and the kinetic energy by J s + ½ J² K = ((e u)² − s²)/(2 K). An
+//! impact at the speed u has s = −u at first, and takes (1 − e²) u²/(2 K) in all: nothing with e = 1, all of the
+//! relative motion along n with e = 0. Before a body at rest K = 1/m, so it is ½ m (1 − e²) u² of a vertex. Pairs are
+//! visited once: where they share vertices, a later one changes the speed of an earlier one, whose e u is not exact
+//! then.
 //!
 //! What lies on something approaches it by g Δt² in a substep. The paper has no rebound below the speed 2 g Δt, which
 //! is an approach by 2 g Δt². Contact does not know g, so here it is below h/1000, which is as much for Δt = 0.23 ms
@@ -24,7 +25,7 @@ use crate::pair::ends;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
-/// An approach in one substep by less than this part of the thickness is none.
+/// An approach in one substep by less than this fraction of the thickness is none.
 const RESTING: Real = 1e-3;
 
 /// A pair, or a vertex and a body, that has to part.
@@ -33,7 +34,7 @@ pub(super) struct Rebound {
     pub(super) vertices: [u32; 4],
     pub(super) weights: [Real; 4],
     pub(super) normal: Vec3,
-    /// Of the vertices (1/kg), and Σ wᵢ²/mᵢ (1/kg).
+    /// Of the vertices (1/kg), and Σ c_k²/m_k (1/kg).
     pub(super) inverse_mass: [Real; 4],
     pub(super) inverse_effective_mass: Real,
     /// How fast it approached, and the part of its velocity that is that of a body (m/s).
@@ -54,7 +55,7 @@ impl Rebounds {
         RESTING * near.law.range()
     }
 
-    /// Takes those between pieces of a substep that ends at `x` (m).
+    /// Takes those between primitives of a substep that ends at `x` (m).
     pub(super) fn find<'a>(
         &mut self,
         touching: impl Iterator<Item = &'a PairConstraint>,

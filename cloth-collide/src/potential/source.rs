@@ -20,7 +20,7 @@ use cloth_core::contact::{
 use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
-/// Paths longer than this many thicknesses, relative to the mean motion, are tested in part.
+/// Paths longer than this many thicknesses, relative to the mean motion, are tested up to there only.
 const LONGEST: Real = 10.0;
 /// Times that pairs are chosen anew because vertices were cut, before all are cut alike.
 const MOST_ROUNDS: u32 = 10;
@@ -128,7 +128,7 @@ impl Contacts {
 
 impl ContactPotential for Contacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
+        let goes_on = self.check_start(step)? && !self.near.starts_moving(step.from, start);
         self.truncated = 0;
         self.free.remember();
         self.free.dt = step.dt;
@@ -144,7 +144,7 @@ impl ContactPotential for Contacts {
         self.moved.extend(moved);
         self.is_open = true;
         if !is_still {
-            self.lead(step, goes_on, start)?;
+            self.find_feasible_start(step, goes_on, start)?;
         }
         self.still.clear();
         let still = self.bodies.iter().map(|(body, _)| body.stopped());
@@ -153,10 +153,10 @@ impl ContactPotential for Contacts {
         self.prepare(step.from, &wanted, false)?;
         self.freeze_friction(step);
         if is_still {
-            let cap = self.safe_part(step.from, &wanted);
+            let fraction = self.safe_fraction(step.from, &wanted);
             for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
-                *x = if cap < 1.0 {
-                    from + (to - from) * cap
+                *x = if fraction < 1.0 {
+                    from + (to - from) * fraction
                 } else {
                     *to
                 };
@@ -183,10 +183,10 @@ impl ContactPotential for Contacts {
         &mut self,
         from: &[Vec3],
         to: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError> {
-        parts.fill(1.0);
-        shorten_all(from, to, parts, self.tested_fraction(from, to));
+        fractions.fill(1.0);
+        shorten_all(from, to, fractions, self.tested_fraction(from, to));
         for round in 0..MOST_ROUNDS {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
             // paths.
@@ -196,13 +196,13 @@ impl ContactPotential for Contacts {
                 return Ok(());
             }
             let path = (from, &mut *to);
-            if !self.pairs.shorten(&self.near, path, parts, &self.still) {
+            if !self.pairs.shorten(&self.near, path, fractions, &self.still) {
                 return Ok(());
             }
         }
         self.prepare(from, to, true)?;
-        let cap = self.safe_part(from, to);
-        shorten_all(from, to, parts, cap);
+        let fraction = self.safe_fraction(from, to);
+        shorten_all(from, to, fractions, fraction);
         Ok(())
     }
 
@@ -325,8 +325,8 @@ impl Contacts {
         }
     }
 
-    /// Lets the cloth pass through a body where the last step, which began at `from` (m), found no free way. Returns
-    /// whether it could not before.
+    /// Lets the cloth pass through a body where the last step, which began at `from` (m), found no feasible path.
+    /// Returns whether it could not before.
     pub(super) fn let_pass(&mut self, from: &[Vec3]) -> bool {
         let blocked = std::mem::take(&mut self.last_resort.blocked);
         let more = self.near.let_pass(&blocked);
@@ -502,7 +502,7 @@ impl Contacts {
     /// The same as [`ContactPotential::limit`] for a path that is not too long to be tested as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.prepare(from, to, true)?;
-        Ok(self.safe_part(from, to))
+        Ok(self.safe_fraction(from, to))
     }
 
     /// Chooses pairs for a path (m); see [`NearPairs::prepare`].
@@ -517,8 +517,8 @@ impl Contacts {
         Ok(())
     }
 
-    fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Real {
-        self.pairs.safe_part(&self.near, from, to, &self.still)
+    fn safe_fraction(&self, from: &[Vec3], to: &[Vec3]) -> Real {
+        self.pairs.safe_fraction(&self.near, from, to, &self.still)
     }
 
     /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the

@@ -24,14 +24,16 @@ use cloth_core::math::{Real, Vec3, gather};
 /// Distance to keep (in thicknesses) from prescribed vertices, which are cloth, and from bodies, with cloth between.
 const FROM_PRESCRIBED: Real = 0.5;
 const FROM_BODIES: Real = 1.0;
-/// Part of it that may be missing; and what may be missing again where more is, so that nothing wears off step by step.
+/// Fraction of it that may be missing; and what may be missing again where more is, so that nothing wears off step by
+/// step.
 const MISSING: Real = 0.02;
 const ROUNDING: Real = 1e-6;
 /// Rounds of detection, and sweeps in each.
 const ROUNDS: u32 = 20;
 const SWEEPS: u32 = 20;
-/// Moments of a step at which a body is tested: one for each part of its smallest extent that it goes, up to a number.
-const PART: Real = 0.25;
+/// Distance that a body goes between two moments of a step at which it is tested, over its smallest extent; and the most
+/// moments.
+const SAMPLE_SPACING: Real = 0.25;
 const MOST_SAMPLES: Real = 64.0;
 /// Parts of a triangle that are asked for the distance of their middles, at most, and steps down from the best.
 const POINTS: usize = 32;
@@ -95,7 +97,7 @@ impl Meeting {
 }
 
 impl Stops {
-    /// Takes notice of which vertices of the cloth are prescribed.
+    /// Records which vertices of the cloth are prescribed.
     fn update_prescribed(&mut self, near: &Near, inverse_mass: &[Real]) {
         let now = || inverse_mass.iter().map(|w| *w == 0.0);
         if now().eq(self.is_prescribed.iter().copied()) {
@@ -134,9 +136,9 @@ impl Stops {
 }
 
 impl Contacts {
-    /// Free bodies set out on a (sub)step in which the cloth would go to `to` (m), as far as what does not give way
+    /// Free bodies begin a (sub)step in which the cloth would go to `to` (m), as far as what does not give way
     /// lets them.
-    pub(super) fn set_out(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
+    pub(super) fn start_free_bodies(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
         self.free
             .list
             .iter_mut()
@@ -173,7 +175,7 @@ impl Contacts {
             let motion = self.bodies[free.number].0.motion();
             let turning = motion.angular_velocity.norm() * free.radius;
             let path = (motion.velocity.norm() + turning) * step.dt;
-            let samples = (path / (PART * free.extent))
+            let samples = (path / (SAMPLE_SPACING * free.extent))
                 .ceil()
                 .clamp(1.0, MOST_SAMPLES);
             let known = self.stops.meetings.len();
@@ -194,11 +196,11 @@ impl Contacts {
         let obstacle = &self.bodies[free.number].0;
         let centre = obstacle.motion().pose_at(time).position;
         let keep = FROM_PRESCRIBED * self.near.law.range();
-        let part = time / step.dt;
+        let fraction = time / step.dt;
         for &corners in &self.stops.prescribed {
             let from = gather(step.from, corners);
             let ends = gather(to, corners);
-            let then: [Vec3; 3] = std::array::from_fn(|k| from[k] + (ends[k] - from[k]) * part);
+            let then: [Vec3; 3] = std::array::from_fn(|k| from[k] + (ends[k] - from[k]) * fraction);
             let size = (then[1] - then[0]).norm().max((then[2] - then[0]).norm());
             if (then[0] - centre).norm() > free.radius + size + keep {
                 continue;

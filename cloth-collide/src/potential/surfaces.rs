@@ -3,7 +3,7 @@
 
 use super::bodies::Body;
 use super::builder::PotentialBuilder;
-use super::constraints::LEADING_SWEEPS;
+use super::constraints::FEASIBLE_START_SWEEPS;
 use super::forces::{ContactForces, Ledger};
 use super::near::Near;
 use super::report::ConstraintReport;
@@ -23,7 +23,7 @@ const NO_TIME: Real = 1e-12;
 /// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the
 /// [chapter](super).
 ///
-/// # What is promised
+/// # What is guaranteed
 ///
 /// After a step, no two triangles of the cloth meet, at its end and at no time on the paths there, nor do triangles of
 /// the cloth and of the [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the
@@ -33,9 +33,13 @@ const NO_TIME: Real = 1e-12;
 /// of bodies, and the triangles around them pass through a body that they cross at the start of a step
 /// ([`PotentialContacts::prescribed_inside`]). The start of a step must be free of crossings; it is if the last step
 /// ended there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and
-/// crossing ones are [`ContactError::IntersectingStart`]. Not promised is anything of pairs that the builder was told
+/// crossing ones are [`ContactError::IntersectingStart`]. Nothing is guaranteed of pairs that the builder was told
 /// to exclude or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at
 /// the start and are excluded until they are apart; nor of cloth that crosses a body then, before that body.
+///
+/// The path is that of the substep, or, of a method that minimises, the polyline of its start and accepted iterates.
+/// The straight line from the start of the step to its end is not tested. Convergence and the thickness are not
+/// guaranteed: only d > 0.
 ///
 /// # Example
 ///
@@ -123,7 +127,7 @@ pub(super) struct Surfaces {
     /// Places (m) at the start and at the end of the path at hand.
     from: Vec<Vec3>,
     to: Vec<Vec3>,
-    parts: Vec<Real>,
+    fractions: Vec<Real>,
     /// The same place with its gradient (N), for methods that take `&self`.
     shared: Mutex<[Vec<Vec3>; 2]>,
 }
@@ -147,7 +151,7 @@ impl Surfaces {
             inverse_mass: vec![0.0; count],
             from: buffer(),
             to: buffer(),
-            parts: vec![1.0; count],
+            fractions: vec![1.0; count],
             shared: Mutex::new([buffer(), buffer()]),
         }
     }
@@ -350,8 +354,8 @@ impl PotentialContacts {
         bodies.any(|body| body.signed_distance(x, 0.0).value <= 0.0)
     }
 
-    /// Whether something gives way to the cloth that would have no free way without: another free body is halted, or
-    /// the cloth passes through a body.
+    /// Whether something gives way to the cloth that would have no feasible path without: another free body is halted,
+    /// or the cloth passes through a body.
     fn gives_way(&mut self, error: &ContactError) -> bool {
         if let ContactError::Infeasible { vertex } = error {
             let place = self.surfaces.from[*vertex as usize];
@@ -393,7 +397,7 @@ impl PotentialContacts {
         }
         let surfaces = &mut self.surfaces;
         if begins_to_move {
-            self.contacts.set_out(step, to);
+            self.contacts.start_free_bodies(step, to);
         }
         surfaces.place(&self.contacts.bodies, step.dt);
         surfaces.put(step, to);
@@ -480,14 +484,14 @@ impl ContactPotential for PotentialContacts {
         &mut self,
         from: &[Vec3],
         to: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
         surfaces.path(from, to);
         self.contacts
-            .limit_each(&surfaces.from, &mut surfaces.to, &mut surfaces.parts)?;
+            .limit_each(&surfaces.from, &mut surfaces.to, &mut surfaces.fractions)?;
         surfaces.take(to);
-        parts.copy_from_slice(&surfaces.parts[..parts.len()]);
+        fractions.copy_from_slice(&surfaces.fractions[..fractions.len()]);
         Ok(())
     }
 
@@ -565,7 +569,7 @@ impl ContactConstraints for PotentialContacts {
                 Ok(()) => break,
                 Err(error) if self.gives_way(&error) => {
                     self.begin_substep(step, x)?;
-                    for _ in 0..LEADING_SWEEPS {
+                    for _ in 0..FEASIBLE_START_SWEEPS {
                         ContactConstraints::sweep(self, step, x);
                     }
                 }

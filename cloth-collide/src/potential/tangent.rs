@@ -42,10 +42,10 @@ pub(super) fn clamp_to_friction_cone(tangential: Vec3, most: Real) -> Vec3 {
     tangential * (most / tangential.norm()).min(1.0)
 }
 
-/// A unilateral constraint in a substep, C = d − d̂ ≥ 0 for a distance d, and what it has pushed with so far.
+/// A unilateral constraint in a substep, C = d − d₀ ≥ 0 for a distance d, and what it has pushed with so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ConstraintState {
-    /// d̂ (m), α̃ (1/kg), and μ (dimensionless).
+    /// d₀ (m), α̃ (1/kg), and μ (dimensionless).
     pub(super) range: Real,
     pub(super) compliance: Real,
     pub(super) coefficient: Real,

@@ -45,10 +45,10 @@ pub fn project_back(
     for _ in 0..MOST_RETURNS {
         from.copy_from_slice(positions);
         let farthest_back = farthest(start, &from, Vec3::zeros());
-        let part = (LONGEST * thickness / farthest_back).min(1.0);
+        let fraction = (LONGEST * thickness / farthest_back).min(1.0);
         for ((x, start), w) in positions.iter_mut().zip(start).zip(inverse_mass) {
             if *w > 0.0 {
-                *x += (start - *x) * part;
+                *x += (start - *x) * fraction;
             }
         }
         let step = ContactStep {

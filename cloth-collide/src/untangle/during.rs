@@ -18,10 +18,10 @@ const MORE_ITERATIONS: u32 = 16;
 /// Pulls a tangled cloth apart step by step while a method simulates it, and lets contact keep everything else apart.
 ///
 /// Before each step, what crosses now is excluded: around the contour, and where it cuts parts off, the cloth falls
-/// into *regions*; pairs of pieces in two regions that cross each other are left out of contact, and of its checks. All
-/// others keep what [`PotentialContacts`] promises, so nothing can become tangled elsewhere. Then a few iterations move
-/// the cloth, as far as those others let it. Elasticity smooths what it leaves. Once nothing crosses, no pair is
-/// excluded any more, and contact keeps it that way.
+/// into *regions*; pairs of primitives in two regions that cross each other are left out of contact, and of its checks.
+/// All others keep what [`PotentialContacts`] guarantees, so nothing can become tangled elsewhere. Then a few
+/// iterations move the cloth, as far as those others let it. Elasticity smooths what it leaves. Once nothing crosses,
+/// no pair is excluded any more, and contact keeps it that way.
 ///
 /// Bodies take part as triangles that stay where they are. A region that crosses one passes through it until nothing
 /// crosses it any more and no vertex that passes is inside, as [pinched cloth](crate::potential#pinched-cloth) does.
@@ -66,7 +66,7 @@ impl CrossingPairs {
 
 impl StepUntangler {
     /// For the cloth and the bodies of `contacts`; none if these know no triangles that could cross. What is sewn
-    /// together moves together, and is no crossing; nor are pieces that may pass through each other.
+    /// together moves together, and is no crossing; nor are primitives that may pass through each other.
     #[must_use]
     pub fn new(contacts: &PotentialContacts) -> Option<Self> {
         let (mesh, cloth) = (contacts.mesh()?, contacts.near().cloth);
@@ -127,9 +127,9 @@ impl StepUntangler {
         if count == 0 {
             self.is_done = contacts.release(&self.places)? == 0;
             if !self.is_done {
-                // Swallowed whole: there is no contour that would tell the way.
+                // Swallowed whole: there is no contour that would tell the direction.
                 let own = &mut self.places[..self.cloth];
-                contacts.lead_out(own, &self.is_free, self.untangler.longest_step);
+                contacts.move_out(own, &self.is_free, self.untangler.longest_step);
                 contacts.keep_free(positions, inverse_mass, own)?;
                 positions.copy_from_slice(own);
             }
@@ -149,10 +149,10 @@ impl StepUntangler {
             self.find_crossings(contacts, positions)?;
         }
         for ((v, x), start) in velocities.iter_mut().zip(positions).zip(&self.start) {
-            let way = *x - start;
-            let against = v.dot(&way).min(0.0);
+            let displacement = *x - start;
+            let against = v.dot(&displacement).min(0.0);
             if against < 0.0 {
-                *v -= way * (against / way.norm_squared());
+                *v -= displacement * (against / displacement.norm_squared());
             }
         }
         Ok(crossing)
@@ -226,9 +226,9 @@ impl StepUntangler {
             contacts: Some(contacts),
         };
         let is_inside = |vertex| world.is_inside(vertex, &self.places);
-        untangler.pieces.divide(contour.crossings(), is_inside);
+        untangler.components.divide(contour.crossings(), is_inside);
         for (vertex, is_inside) in (0..).zip(&mut self.is_inside) {
-            *is_inside = untangler.pieces.is_cut_off(vertex);
+            *is_inside = untangler.components.is_cut_off(vertex);
         }
         let corners = |t: u32| contour.pairs.triangles[t as usize];
         for vertex in contour.meeting.iter().flatten().flat_map(|&t| corners(t)) {

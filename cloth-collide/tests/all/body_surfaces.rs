@@ -349,8 +349,8 @@ fn what_does_not_fit_is_named() {
     );
 }
 
-/// Two balls that are nothing but their distance close on a corner of the cloth: there is no free way, unless pinched
-/// cloth may pass.
+/// Two balls that are nothing but their distance close on a corner of the cloth: there is no feasible path, unless
+/// pinched cloth may pass.
 #[test]
 fn cloth_pinched_by_bodies_without_triangles_is_refused_or_passes() {
     let corners = [(0.0, 0.0), (0.3, 0.0), (0.0, 0.3)].map(|(x, y)| Vec3::new(x, y, 0.0));

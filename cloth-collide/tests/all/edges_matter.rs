@@ -30,13 +30,13 @@ fn edges_cross_with_all_vertices_in_the_clear_and_the_response_sees_it() {
     assert_eq!(probe.measure(&from).unwrap().intersecting_pairs, 0);
     assert_eq!(probe.measure(&through).unwrap().intersecting_pairs, 1);
 
-    // No vertex comes near the other triangle on its way.
+    // No vertex comes near the other triangle on its path.
     let test = ContinuousTest::new(0.3, 0.0).unwrap();
-    let way = |v: usize| [from[v], through[v]];
+    let path = |v: usize| [from[v], through[v]];
     for (vertices, [a, b, c]) in [([0, 1, 2], [3, 4, 5]), ([3, 4, 5], [0, 1, 2])] {
         let triangle = [&from, &through].map(|x| [x[a], x[b], x[c]]);
         for v in vertices {
-            let found = Query::vertex_triangle(way(v), triangle).first_contact(&test);
+            let found = Query::vertex_triangle(path(v), triangle).first_contact(&test);
             assert_eq!(found, Ok(None), "vertex {v}");
         }
     }

@@ -56,7 +56,7 @@ fn times_of_impact_are_those_of_the_closed_forms_in_a_few_evaluations() {
         );
         assert!(hit.evaluations <= 3, "{hit:?}");
 
-        // Past the ball at the distance b of the straight way from its centre: hit if b < r + h.
+        // Past the ball at the distance b of the straight path from its centre: hit if b < r + h.
         let b = random.real(0.51).abs() * (1.0 - 1e-6);
         let path = straight(v(-2.0, b, 0.0), v(speed, 0.0, 0.0));
         let hit = first_contact(&ball, &path, 0.0, 100.0, 0.01).unwrap();
@@ -68,7 +68,7 @@ fn times_of_impact_are_those_of_the_closed_forms_in_a_few_evaluations() {
     }
 }
 
-/// All shapes, all kinds of motion, against dense sampling of the way.
+/// All shapes, all kinds of motion, against dense sampling of the path.
 #[test]
 fn contact_is_never_late_and_never_missed() {
     let ball = Sphere::new(0.3).unwrap();

@@ -103,9 +103,9 @@ fn undone(mesh: &TriMesh) -> Undone {
     project_back(&mut all_apart(mesh), &w, mesh.positions(), &mut x).unwrap();
     assert_eq!(pierced(mesh, &x), 0);
     let measured = SeparationProbe::new(mesh).measure(&x).unwrap();
-    let ways = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());
+    let displacements = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());
     Undone {
-        farthest: ways.fold(0.0, Real::max),
+        farthest: displacements.fold(0.0, Real::max),
         distance: measured.min_distance.unwrap(),
     }
 }

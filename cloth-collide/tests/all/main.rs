@@ -13,6 +13,7 @@ mod counting_allocator;
 mod edges_matter;
 mod first_contact;
 mod garments;
+mod guarantee;
 #[path = "../support/lattice.rs"]
 mod lattice;
 mod nearest_edge_edge;
@@ -21,7 +22,6 @@ mod no_allocation;
 mod obstacle_shapes;
 mod potential;
 mod potential_derivatives;
-mod promise;
 #[path = "../support/random.rs"]
 mod random;
 mod separation;

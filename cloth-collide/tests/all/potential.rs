@@ -1,4 +1,4 @@
-//! The contact potential of a whole cloth: its derivatives, which ways are safe, and that it begins anew after a step
+//! The contact potential of a whole cloth: its derivatives, which paths are safe, and that it begins anew after a step
 //! that failed.
 
 use crate::random::Random;
@@ -151,7 +151,7 @@ fn two_stage_law_is_joined_twice_differentiably() {
     }
 }
 
-/// Random ways, short and long, are cut where the layers would cross or the ball would be entered, and not elsewhere.
+/// Random paths, short and long, are cut where the layers would cross or the ball would be entered, and not elsewhere.
 #[test]
 fn ways_are_cut_before_anything_crosses() {
     let mut random = Random::new(11);
@@ -179,11 +179,11 @@ fn ways_are_cut_before_anything_crosses() {
             assert!((0.0..Real::INFINITY).contains(&energy), "{energy} J");
         }
     }
-    assert!(cut > 100, "{cut} ways");
+    assert!(cut > 100, "{cut} paths");
 }
 
 /// The same where each vertex has its own bound: nothing crosses, what is cut goes as far as it may, and what is far
-/// from it goes all the way.
+/// from it goes all of its path.
 #[test]
 fn ways_are_cut_vertex_by_vertex() {
     let mut random = Random::new(13);
@@ -194,21 +194,21 @@ fn ways_are_cut_vertex_by_vertex() {
         let mut contacts = contacts(&mesh, 0.2, below());
         begin(&mut contacts, &x);
         let mut probe = SeparationProbe::new(&mesh);
-        let mut parts = vec![0.0; x.len()];
+        let mut fractions = vec![0.0; x.len()];
         for size in [1e-3, 0.1, 1e-2, 0.05] {
             let wanted: Vec<Vec3> = x.iter().map(|x| x + random.point(size)).collect();
             let mut to = wanted.clone();
             let together = contacts.limit(&x, &to).unwrap();
-            contacts.limit_each(&x, &mut to, &mut parts).unwrap();
-            let least = parts.iter().copied().fold(1.0, Real::min);
+            contacts.limit_each(&x, &mut to, &mut fractions).unwrap();
+            let least = fractions.iter().copied().fold(1.0, Real::min);
             assert!((0.0..=1.0).contains(&least));
-            for (vertex, part) in parts.iter().enumerate() {
-                let end = x[vertex] + (wanted[vertex] - x[vertex]) * *part;
+            for (vertex, fraction) in fractions.iter().enumerate() {
+                let end = x[vertex] + (wanted[vertex] - x[vertex]) * *fraction;
                 assert!((to[vertex] - end).norm() < 1e-15);
             }
             assert_eq!(least < 1.0, together < 1.0);
             cut += u32::from(least < 1.0);
-            alone += u32::from(least < 1.0 && parts.contains(&1.0));
+            alone += u32::from(least < 1.0 && fractions.contains(&1.0));
             for time in [0.5, 1.0] {
                 let places = x.iter().zip(&to).map(|(x, to)| x + (to - x) * time);
                 let places: Vec<Vec3> = places.collect();
@@ -223,7 +223,7 @@ fn ways_are_cut_vertex_by_vertex() {
             x = to;
         }
     }
-    assert!(cut > 100 && alone > 100, "{cut} ways, {alone} in part");
+    assert!(cut > 100 && alone > 100, "{cut} paths, {alone} in part");
 }
 
 /// A step that has begun and did not end leaves no trace: a body that moves is where it was when the next one begins.
@@ -281,7 +281,7 @@ fn pins_that_cross_are_refused() {
 }
 
 /// A start that passes through itself is refused with what is wrong with it, and so is one of another cloth; one inside
-/// a body is led out of it.
+/// a body is moved out of it.
 #[test]
 fn start_that_is_not_free_is_refused_or_led_out() {
     let flat = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
@@ -324,7 +324,7 @@ fn start_that_is_not_free_is_refused_or_led_out() {
     assert_eq!(short, Err(ContactError::VertexCount { expected, found }));
 }
 
-/// Sizes of space, speed and time from 1e-300 to 1e300: every way is cut or refused, and what is left of it is finite
+/// Sizes of space, speed and time from 1e-300 to 1e300: every path is cut or refused, and what is left of it is finite
 /// and free.
 #[test]
 fn extreme_sizes_are_cut_or_refused() {
@@ -334,7 +334,7 @@ fn extreme_sizes_are_cut_or_refused() {
         let mut power = |most: Real| (10.0 as Real).powf(random.point(most).x);
         let most: Real = [3.0, 20.0, 150.0, 300.0][round % 4];
         let (size, dt) = (power(most.min(70.0)), power(most));
-        let way = size * power(3.0);
+        let distance = size * power(3.0);
         let thickness = size * power(2.0);
         let x: Vec<Vec3> = layers(&mut Random::new(round as u64)).positions().to_vec();
         let scaled = x.iter().map(|x| x * size).collect();
@@ -354,7 +354,7 @@ fn extreme_sizes_are_cut_or_refused() {
             inverse_mass: &vec![power(most.min(100.0)); from.len()],
             dt,
         };
-        let to: Vec<Vec3> = from.iter().map(|x| x + random.point(way)).collect();
+        let to: Vec<Vec3> = from.iter().map(|x| x + random.point(distance)).collect();
         let mut start = to.clone();
         let begun = contacts.begin(&step, &mut start);
         let Ok(share) = begun.and_then(|()| contacts.limit(&start, &to)) else {
@@ -379,7 +379,7 @@ fn extreme_sizes_are_cut_or_refused() {
 }
 
 /// Two sheets fly side by side, a centimetre apart, far towards a floor: the lower one is stopped, so the upper one
-/// must not go on through it, though nothing brings them nearer on their own ways.
+/// must not go on through it, though nothing brings them nearer on their own paths.
 #[test]
 fn what_flies_along_is_cut_too() {
     let one = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
@@ -405,10 +405,10 @@ fn what_flies_along_is_cut_too() {
     let mut x = mesh.positions().to_vec();
     begin(&mut contacts, &x);
     let mut probe = SeparationProbe::new(&mesh);
-    let mut parts = vec![0.0; x.len()];
+    let mut fractions = vec![0.0; x.len()];
     for _ in 0..5 {
         let mut to: Vec<Vec3> = x.iter().map(|x| x - Vec3::z() * 0.019).collect();
-        contacts.limit_each(&x, &mut to, &mut parts).unwrap();
+        contacts.limit_each(&x, &mut to, &mut fractions).unwrap();
         let seen = probe.measure(&to).unwrap();
         assert_eq!(seen.intersecting_pairs, 0);
         assert!(seen.min_distance.unwrap() > 0.0);

@@ -256,7 +256,7 @@ fn forces_and_moments_add_up_to_nothing() {
     }
 }
 
-/// Where two pieces touch the energy is infinite, and what has no value is zero: parallel edges with m = 0 too.
+/// Where two primitives touch the energy is infinite, and what has no value is zero: parallel edges with m = 0 too.
 #[test]
 fn pieces_that_touch_have_an_infinite_energy_and_no_direction() {
     let along = |y: f64| [v(0.0, y, 0.0), v(1.0, y, 0.0)];

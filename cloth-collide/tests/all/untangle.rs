@@ -56,8 +56,8 @@ fn bump() -> TriMesh {
 }
 
 fn largest_motion(mesh: &TriMesh, x: &[Vec3]) -> f64 {
-    let ways = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());
-    ways.fold(0.0, f64::max)
+    let displacements = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());
+    displacements.fold(0.0, f64::max)
 }
 
 #[test]
@@ -74,9 +74,9 @@ fn gradient_is_that_of_differences_of_the_length() {
         // All vertices near the contour, and some of the others.
         for v in (0..x.len()).filter(|&v| v % 9 == 0 || gradient[v] != Vec3::zeros()) {
             for axis in 0..3 {
-                let mut at = |way: f64| {
+                let mut at = |displacement: f64| {
                     let mut moved = x.clone();
-                    moved[v][axis] += way;
+                    moved[v][axis] += displacement;
                     untangler.contour_length(&moved, &mut scratch).unwrap()
                 };
                 let difference = (at(step) - at(-step)) / (2.0 * step);

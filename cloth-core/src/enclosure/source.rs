@@ -168,9 +168,9 @@ impl<C: ContactPotential> ContactPotential for Enclosed<C> {
         &mut self,
         from: &[Vec3],
         to: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError> {
-        self.contacts.limit_each(from, to, parts)
+        self.contacts.limit_each(from, to, fractions)
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
@@ -273,9 +273,9 @@ impl ContactPotential for NoContact {
         &mut self,
         _: &[Vec3],
         _: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError> {
-        parts.fill(1.0);
+        fractions.fill(1.0);
         Ok(())
     }
 

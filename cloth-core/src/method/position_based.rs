@@ -1,6 +1,7 @@
-//! The common part of position-based methods: free flight, sweeps over constraint rows, velocities from positions.
+//! The common part of position-based methods: inertial prediction, sweeps over constraint rows, velocities from
+//! positions.
 //!
-//! Such a method predicts positions by free flight, `v ← v + h a`, `x ← x + h v`, then moves them until the
+//! Such a method predicts positions by inertia, `v ← v + h a`, `x ← x + h v`, then moves them until the
 //! constraints agree, and takes the velocities from the positions, `v ← v + (x − x̃)/h` (Müller et al. 2007,
 //! Algorithm 1). The middle is a sweep: every row gets a multiplier Δλ (kg m² per unit of C), and the vertices
 //! of the row move by `Δxᵢ = wᵢ ∂C/∂xᵢ Δλ`. The formula for Δλ is what distinguishes the methods:

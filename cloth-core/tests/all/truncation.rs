@@ -22,12 +22,12 @@ impl ContactPotential for Stop {
         &mut self,
         from: &[Vec3],
         to: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError> {
         self.0 += 1;
-        parts.fill(1.0);
+        fractions.fill(1.0);
         if to[10].z < -0.05 {
-            (to[10].z, parts[10]) = (-0.05, 0.05 / (from[10].z - to[10].z));
+            (to[10].z, fractions[10]) = (-0.05, 0.05 / (from[10].z - to[10].z));
         }
         Ok(())
     }

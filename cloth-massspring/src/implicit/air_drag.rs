@@ -10,7 +10,7 @@ use cloth_core::method::block_matrix::BlockMatrix;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AirDrag<'a> {
     pub(super) drag: &'a [Mat3],
-    pub(super) goals: &'a [Vec3],
+    pub(super) constant_velocity_positions: &'a [Vec3],
     pub(super) tau: Real,
 }
 
@@ -22,7 +22,7 @@ impl AirDrag<'_> {
 
     /// `D (x − a)/τ` of a vertex at `x` (N).
     pub(super) fn gradient(&self, vertex: usize, x: Vec3) -> Vec3 {
-        self.drag[vertex] * (x - self.goals[vertex]) / self.tau
+        self.drag[vertex] * (x - self.constant_velocity_positions[vertex]) / self.tau
     }
 
     /// Adds the gradient (N) to `out`, and returns the value (J).
@@ -30,7 +30,7 @@ impl AirDrag<'_> {
         let mut twice = 0.0;
         for (vertex, (x, out)) in x.iter().zip(out).enumerate() {
             let gradient = self.gradient(vertex, *x);
-            twice += gradient.dot(&(x - self.goals[vertex]));
+            twice += gradient.dot(&(x - self.constant_velocity_positions[vertex]));
             *out += gradient;
         }
         0.5 * twice

@@ -13,7 +13,7 @@
 //!
 //! The x of that is the stationary point of the midpoint's objective plus `E_contact(2x − x[0]) + f[0]·x`, whose forces
 //! are `2 f(x[1]) − f[0]`. The velocity that follows from it has one `Δt M⁻¹ (f(x[1]) − f[0])` too many, which
-//! `take_half` takes away.
+//! `correct_velocities` takes away.
 
 use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactStep, GlobalRows};
 use cloth_core::math::{Real, Vec3};
@@ -50,31 +50,31 @@ fn lasting(now: Vec3, before: Vec3) -> Vec3 {
 
 impl EndContactMemory {
     /// Takes the force of the last step's contact, of which there is none if the cloth has come from elsewhere, into
-    /// the goal (m) of a stage that spans s (s).
-    pub(super) fn go_on(
+    /// the predicted positions (m) of a stage with the time s (s) of its inertia.
+    pub(super) fn apply_lasting_force(
         &mut self,
         from_elsewhere: bool,
         inverse_mass: &[Real],
-        span: Real,
-        goal: &mut [Vec3],
+        s: Real,
+        predicted: &mut [Vec3],
     ) {
         if from_elsewhere {
             self.last.iter_mut().for_each(Vec::clear);
         }
         self.last
             .iter_mut()
-            .for_each(|g| g.resize(goal.len(), Vec3::zeros()));
+            .for_each(|g| g.resize(predicted.len(), Vec3::zeros()));
         self.lasting.clear();
         let both = self.last[0].iter().zip(&self.last[1]);
         self.lasting.extend(both.map(|(a, b)| lasting(*a, *b)));
-        for ((goal, g), w) in goal.iter_mut().zip(&self.lasting).zip(inverse_mass) {
-            *goal += *g * (*w * span * span);
+        for ((x, g), w) in predicted.iter_mut().zip(&self.lasting).zip(inverse_mass) {
+            *x += *g * (*w * s * s);
         }
     }
 
     /// Takes the new force of contact at the end `x` (m) of a step of `dt` (s) out of the velocities (m/s) once: it
     /// counts twice in those that follow from the middle.
-    pub(super) fn take_half(
+    pub(super) fn correct_velocities(
         &mut self,
         contact: &dyn ContactPotential,
         x: &[Vec3],
@@ -122,23 +122,23 @@ impl ContactPotential for AtEnd<'_> {
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         let [mut a, mut b] = std::mem::take(&mut self.memory.ends);
-        let part = self
+        let fraction = self
             .contact
             .limit(self.ends(from, &mut a), self.ends(to, &mut b));
         self.memory.ends = [a, b];
-        part
+        fraction
     }
 
     fn limit_each(
         &mut self,
         from: &[Vec3],
         to: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError> {
         let [mut a, mut b] = std::mem::take(&mut self.memory.ends);
         self.ends(from, &mut a);
         let ends = self.ends(to, &mut b);
-        let limited = self.contact.limit_each(&a, ends, parts);
+        let limited = self.contact.limit_each(&a, ends, fractions);
         self.middles(ends, to);
         self.memory.ends = [a, b];
         limited

@@ -26,7 +26,7 @@
 //! ([`Solve::Linearized`](crate::Solve::Linearized)): K.-J. Choi, H.-S. Ko, 2002,
 //! <https://doi.org/10.1145/566570.566624>.
 
-use super::{Extent, Implicit, ImplicitBuilder, Place};
+use super::{Implicit, ImplicitBuilder, Interval, TimePoint};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
@@ -160,15 +160,15 @@ impl Stepper for Bdf2 {
         let report = if self.continues(state, dt) && !self.has_jumped {
             let [positions, velocities] = &self.before;
             let third = |now: Vec3, before: Vec3| now + (now - before) / 3.0;
-            let span = Extent {
+            let interval = Interval {
                 tau: 2.0 / 3.0 * dt,
-                place: Place::End,
+                at: TimePoint::End,
             };
-            let mut report = self
-                .implicit
-                .advance(state, &mut input, span, |vertex, x, v| {
-                    [third(x, positions[vertex]), third(v, velocities[vertex])]
-                })?;
+            let mut report =
+                self.implicit
+                    .advance(state, &mut input, interval, |vertex, x, v| {
+                        [third(x, positions[vertex]), third(v, velocities[vertex])]
+                    })?;
             // By the force at the end it would be of first order only.
             report.pin_work = None;
             let has_load = input.load.is_some() || input.air.is_some();

@@ -152,7 +152,7 @@ impl<S> ImplicitBuilder<S> {
             before: (zeros, 0.0),
             damper,
             end_contact: EndContactMemory::default(),
-            coasting: Vec::new(),
+            constant_velocity_positions: Vec::new(),
             particles: self.particles,
             energies,
             config: self.config,

@@ -1,4 +1,5 @@
-//! Momentum of cloth that nothing holds: what is left of it by an iteration cut short at its tolerance is put right.
+//! Restores the linear momentum of cloth that nothing holds, of which an iteration that ends at its tolerance loses
+//! some.
 //!
 //! Energies that do not change when a component of the cloth is shifted as a whole leave `G` quadratic in that shift:
 //! `½ tᵀ (m/s² + Σ D/τ) t + t·Σ ∇G`, with m the mass of the component and D the drag of the air. Its minimum is known,
@@ -12,15 +13,15 @@ use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::Energies;
 use cloth_core::topology::DisjointSets;
 
-/// The connected components without a prescribed vertex, and without an element that ties one vertex to a place.
+/// The connected components without a prescribed vertex, and without an element that attaches one vertex to a point.
 #[derive(Debug)]
 pub(super) struct Unconstrained {
     components: Vec<Vec<u32>>,
 }
 
 impl Unconstrained {
-    /// Those of the graph that the blocks of a matrix make; `is_loose[v]` says that nothing holds vertex `v`.
-    fn of(pattern: &BlockPattern, is_loose: &[bool]) -> Self {
+    /// Those of the graph that the blocks of a matrix make; `is_unconstrained[v]` says that nothing holds vertex `v`.
+    fn of(pattern: &BlockPattern, is_unconstrained: &[bool]) -> Self {
         let count = pattern.row_count();
         let mut sets = DisjointSets::new(count);
         for row in 0..count {
@@ -33,7 +34,7 @@ impl Unconstrained {
         for vertex in 0..count {
             let root = sets.root(vertex as u32) as usize;
             components[root].push(vertex as u32);
-            is_held[root] |= !is_loose[vertex];
+            is_held[root] |= !is_unconstrained[vertex];
         }
         let held = components.into_iter().zip(is_held);
         let unheld = held.filter(|(vertices, is_held)| !is_held && !vertices.is_empty());
@@ -48,9 +49,9 @@ impl Unconstrained {
         pattern: &BlockPattern,
         is_free: &[bool],
     ) -> Self {
-        let mut is_loose = is_free.to_vec();
-        energies.for_each_anchor(|vertex| is_loose[vertex as usize] = false);
-        Self::of(pattern, &is_loose)
+        let mut is_unconstrained = is_free.to_vec();
+        energies.for_each_anchor(|vertex| is_unconstrained[vertex as usize] = false);
+        Self::of(pattern, &is_unconstrained)
     }
 
     /// Shifts each component at an evaluated point to the minimum along its translations, and its gradient with it.

@@ -1,13 +1,13 @@
-//! Parts of the Hessian that couple many vertices, such as the volume of a closed component, added to an inverse of the
-//! rest.
+//! Rank-one terms of the Hessian that couple many vertices, such as the volume of a closed component, added to an
+//! inverse of the rest.
 //!
 //! With an inverse P of the rest, `(P⁻¹ + k g gᵀ)⁻¹ r = P r − z (g·P r)/(1/k + g·z)`, where `z = P g` (Sherman,
-//! Morrison 1950, <https://doi.org/10.1214/aoms/1177729893>). Of several parts each takes those before it for the rest.
+//! Morrison 1950, <https://doi.org/10.1214/aoms/1177729893>). Of several terms each takes those before it for the rest.
 
 use cloth_core::contact::{ContactPotential, GlobalRows};
 use cloth_core::math::{Real, Vec3};
 
-/// The parts, with `z` of each.
+/// The terms, with `z` of each.
 #[derive(Debug, Default)]
 pub(super) struct GlobalTerms {
     rows: GlobalRows,
@@ -19,13 +19,13 @@ pub(super) struct GlobalTerms {
 }
 
 impl GlobalTerms {
-    /// Forgets all parts.
+    /// Removes all terms.
     pub(super) fn clear(&mut self) {
         self.rows.clear();
         self.weights.clear();
     }
 
-    /// Takes the parts at `x` (m) around `inverse`, which writes `P r` to its second list.
+    /// Takes the terms at `x` (m) around `inverse`, which writes `P r` to its second list.
     pub(super) fn refresh(
         &mut self,
         contact: &dyn ContactPotential,
@@ -59,7 +59,7 @@ impl GlobalTerms {
         self.rows.rows().is_empty()
     }
 
-    /// Adds the parts times `p` to `out`.
+    /// Adds the terms times `p` to `out`.
     pub(super) fn add_product(&self, p: &[Vec3], out: &mut [Vec3]) {
         for row in self.rows.rows() {
             row.add_product(p, out);
@@ -68,8 +68,8 @@ impl GlobalTerms {
 
     /// Applies the Sherman–Morrison corrections of the rows so far to `z = P r`.
     pub(super) fn correct(&self, z: &mut [Vec3]) {
-        let parts = self.rows.rows().iter().zip(&self.solved);
-        for ((row, solved), weight) in parts.zip(&self.weights) {
+        let terms = self.rows.rows().iter().zip(&self.solved);
+        for ((row, solved), weight) in terms.zip(&self.weights) {
             let along = weight * row.dot(z);
             for (z, solved) in z.iter_mut().zip(solved) {
                 *z -= solved * along;

@@ -30,7 +30,8 @@ pub(super) const NEGLIGIBLE_STEP: Real = 1e-3;
 /// quadratically there, down to rounding, the quasi-Newton method linearly.
 const NEWTON_HANDOVER: Real = 1e-5;
 /// Factor on the tolerance where something touches: friction holds what lies near its limit, and what it does not hold
-/// is a small part of all forces. With all of the tolerance a handkerchief that should slide off a corner stays there.
+/// is a small fraction of all forces. With all of the tolerance a handkerchief that should slide off a corner stays
+/// there.
 const CONTACT_TOLERANCE_FACTOR: Real = 0.3;
 /// The same as NEWTON_HANDOVER as a multiple of the estimate of rounding: one Newton step from there ends well below
 /// it.
@@ -66,8 +67,9 @@ pub(super) struct Minimizer {
     pub(super) newton: Option<NewtonSystem>,
     /// Where the cloth is linearised, and scratch for a displacement from there (m); with contact only.
     linearized: Option<(Point, Vec<Vec3>)>,
-    /// Where each vertex is followed as far as it can go alone: the parts (dimensionless), and the displacements (m).
-    parts: Vec<Real>,
+    /// Where each vertex is followed as far as it can go alone: the fractions (dimensionless), and the displacements
+    /// (m).
+    fractions: Vec<Real>,
     shortened: Vec<Vec3>,
     truncation: FadingTruncation,
     /// Which vertices elements couple; made in the first step with contact.
@@ -135,7 +137,7 @@ impl Minimizer {
                 })
                 .transpose()?,
             linearized: None,
-            parts: Vec::new(),
+            fractions: Vec::new(),
             shortened: Vec::new(),
             truncation: FadingTruncation::default(),
             neighbours: None,
@@ -232,7 +234,7 @@ impl Minimizer {
         }
     }
 
-    /// The quasi-Newton method from the current positions on: evaluates them, iterates, and puts momentum right.
+    /// The quasi-Newton method from the current positions on: evaluates them, iterates, and restores linear momentum.
     fn descend(
         &mut self,
         task: &Task<'_>,
@@ -279,7 +281,7 @@ impl Minimizer {
             let is_finishing = task.config.tolerance < NEWTON_HANDOVER && contact.is_none();
             let (tolerance, least) = if is_finishing {
                 (NEWTON_HANDOVER, NEWTON_HANDOVER_ROUNDING * rounding)
-            } else if contact.is_some() && method.is_touching() {
+            } else if contact.is_some() && method.has_active_contacts() {
                 (CONTACT_TOLERANCE_FACTOR * task.config.tolerance, rounding)
             } else {
                 (task.config.tolerance, rounding)
@@ -332,17 +334,17 @@ impl Minimizer {
                 return Ok(End::Stuck);
             }
             let trusted = contact.is_some().then(|| radius.trust(&self.direction));
-            let part = trusted.map_or(1.0, |trusted| trusted.fraction);
-            let most = self.longest_step(task, contact, part)?;
+            let fraction = trusted.map_or(1.0, |trusted| trusted.fraction);
+            let most = self.longest_step(task, contact, fraction)?;
             if contact.is_some()
-                && most < VERTEX_BY_VERTEX_BELOW * part
-                && self.search_vertex_by_vertex(task, contact, part, report)?
+                && most < VERTEX_BY_VERTEX_BELOW * fraction
+                && self.search_vertex_by_vertex(task, contact, fraction, report)?
             {
                 method.drop_pairs();
                 std::mem::swap(&mut self.current, &mut self.next);
                 continue;
             }
-            let most = if most < HALVED_BELOW * part {
+            let most = if most < HALVED_BELOW * fraction {
                 0.5 * most
             } else {
                 most
@@ -352,8 +354,8 @@ impl Minimizer {
             let found = line_search::search(&stage, from, &self.direction, slope, most, to);
             report.backtracks += found.backtracks;
             if let Some(trusted) = trusted {
-                method.cut(found.length);
-                // What contact has cut says nothing about the radius.
+                method.record_shortening(found.length);
+                // What contact has truncated says nothing about the radius.
                 if found.backtracks > 0 {
                     radius.shorten(found.length * trusted.longest);
                 } else if trusted.fraction < 1.0 && found.length == trusted.fraction {
@@ -412,7 +414,7 @@ impl Minimizer {
         Ok(())
     }
 
-    /// The part of the direction, `most` of it at most, that is free of crossings.
+    /// The fraction of the direction, `most` of it at most, that is free of crossings.
     fn longest_step(
         &mut self,
         task: &Task<'_>,
@@ -429,34 +431,35 @@ impl Minimizer {
         Ok(most * safe)
     }
 
-    /// Puts the next positions at `part` of the direction.
-    fn follow(&mut self, part: Real) {
-        line_search::place(&self.current, &self.direction, part, &mut self.next);
+    /// Puts the next positions at `fraction` of the direction.
+    fn follow(&mut self, fraction: Real) {
+        line_search::place(&self.current, &self.direction, fraction, &mut self.next);
     }
 
-    /// Follows `part` of the direction with every vertex as far as it alone can go, and evaluates what that comes to:
-    /// one bound for all would let one pair that is nearly closed hold the whole cloth. Returns whether that is lower.
+    /// Follows `fraction` of the direction with every vertex as far as it alone can go, and evaluates what that comes
+    /// to: one bound for all would let one pair that is nearly closed hold the whole cloth. Returns whether that is
+    /// lower.
     ///
     /// Nothing crosses by it. A pair is safe if it keeps a fifth of its distance, or of h if that is less, on its
-    /// straight paths. `limit_each` cuts all vertices of one that is not to the part up to which it is, and tests the
-    /// pairs around it again on what is left. After 20 such rounds all vertices are cut to what the worst pair allows,
-    /// and near pairs are looked up again. The line search takes one factor for all of these paths: the beginning of a
-    /// safe path is safe.
+    /// straight paths. `limit_each` truncates all vertices of one that is not at the fraction up to which it is, and
+    /// tests the pairs around it again on what is left. After 20 such rounds all vertices are truncated to what the
+    /// worst pair allows, and near pairs are detected again. The line search takes one factor for all of these paths:
+    /// the beginning of a safe path is safe.
     fn search_vertex_by_vertex(
         &mut self,
         task: &Task<'_>,
         contact: &mut Contact<'_>,
-        part: Real,
+        fraction: Real,
         report: &mut StepReport,
     ) -> Result<bool, StepError> {
         let Some(source) = contact.as_deref_mut() else {
             return Ok(false);
         };
-        self.follow(part);
+        self.follow(fraction);
         let (from, to) = (&self.current.positions, &mut self.next.positions);
-        self.parts.resize(from.len(), 1.0);
+        self.fractions.resize(from.len(), 1.0);
         source
-            .limit_each(from, to, &mut self.parts)
+            .limit_each(from, to, &mut self.fractions)
             .map_err(|reason| task.refused(reason))?;
         let mut shortened = std::mem::take(&mut self.shortened);
         shortened.clear();
@@ -475,7 +478,7 @@ impl Minimizer {
         Ok(is_lower)
     }
 
-    /// Norm (N/√kg) of the gradient of the current point, which is finite; and takes notice of what to compare it with.
+    /// Norm (N/√kg) of the gradient of the current point, which is finite; and records what to compare it with.
     pub(super) fn gradient_norm(&mut self, task: &Task<'_>) -> Result<Real, StepError> {
         let norm = task.stage.gradient_norm(&self.current.gradient);
         self.forces = task.stage.potential.inertial_norm(&self.current.positions);

@@ -20,7 +20,7 @@ use std::sync::Arc;
 const PREDICTED_FORCE_ITERATIONS: u32 = 4;
 /// Iterations after which the matrix is taken anew.
 const REFRESH_INTERVAL: u32 = 8;
-/// Fraction of a direction below which a step in contact counts as cut short, and the number of such steps after which
+/// Fraction of a direction below which a step in contact counts as shortened, and the number of such steps after which
 /// directions are those of the truncated Newton method.
 const SHORTENED_BELOW: Real = 0.25;
 const MAX_SHORTENED_STEPS: u32 = 5;
@@ -47,8 +47,8 @@ pub(super) struct QuasiNewton {
     global: GlobalTerms,
     truncated_newton: TruncatedConjugateGradients,
     work: Vec<Vec3>,
-    /// Steps in this minimisation that were cut short.
-    cut: u32,
+    /// Steps in this minimisation that were shortened.
+    shortened_steps: u32,
     /// Iterations in this step, and since the matrix was taken.
     iterations: u32,
     age: u32,
@@ -69,7 +69,7 @@ impl QuasiNewton {
             truncated_newton: TruncatedConjugateGradients::default(),
             work: vec![Vec3::zeros(); is_free.len()],
             multigrid: None,
-            cut: 0,
+            shortened_steps: 0,
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
             assembly,
             is_free,
@@ -81,7 +81,7 @@ impl QuasiNewton {
 
     pub(super) fn begin(&mut self) {
         self.history.clear();
-        (self.iterations, self.age, self.cut) = (0, 0, 0);
+        (self.iterations, self.age, self.shortened_steps) = (0, 0, 0);
         self.contact_pairs.clear();
         self.for_cycle.clear();
         self.global.clear();
@@ -98,7 +98,7 @@ impl QuasiNewton {
     ) -> bool {
         let x = &current.positions[..];
         let is_mixed = self.iterations < PREDICTED_FORCE_ITERATIONS;
-        if !is_mixed && self.age < REFRESH_INTERVAL && !self.is_cut_short() {
+        if !is_mixed && self.age < REFRESH_INTERVAL && !self.is_often_shortened() {
             return false;
         }
         let to = if is_start { before } else { x };
@@ -159,7 +159,7 @@ impl QuasiNewton {
     }
 
     /// Whether contacts were active where the matrix was taken last.
-    pub(super) fn is_touching(&self) -> bool {
+    pub(super) fn has_active_contacts(&self) -> bool {
         !self.rows.is_empty()
     }
 
@@ -168,9 +168,9 @@ impl QuasiNewton {
         &self.matrix
     }
 
-    /// Whether contact cuts the steps short, so that directions of L-BFGS lead nowhere.
-    fn is_cut_short(&self) -> bool {
-        self.cut >= MAX_SHORTENED_STEPS
+    /// Whether contact shortens the steps so often that directions of L-BFGS lead nowhere.
+    fn is_often_shortened(&self) -> bool {
+        self.shortened_steps >= MAX_SHORTENED_STEPS
     }
 
     /// Writes the direction (m) for a gradient (N) to `out`. Returns the slope along it (J), by how much the square of
@@ -178,7 +178,7 @@ impl QuasiNewton {
     pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, Real, u32) {
         self.iterations += 1;
         self.age += 1;
-        let is_cut_short = self.is_cut_short();
+        let is_often_shortened = self.is_often_shortened();
         let (multigrid, global) = (&mut self.multigrid, &self.global);
         let inverse = |r: &[Vec3], z: &mut [Vec3]| {
             if let Some(multigrid) = multigrid {
@@ -186,7 +186,7 @@ impl QuasiNewton {
                 global.correct(z);
             }
         };
-        if is_cut_short {
+        if is_often_shortened {
             let operator = Operator {
                 matrix: &self.matrix,
                 contact_pairs: &self.contact_pairs,
@@ -204,10 +204,10 @@ impl QuasiNewton {
         (self.slope, 0.0, 1)
     }
 
-    /// Takes notice of a step that contact, the trust radius or the line search has shortened to `part` of its
-    /// direction. A volume that is kept cuts steps by itself, and a better direction does not help there.
-    pub(super) fn cut(&mut self, part: Real) {
-        self.cut += u32::from(part < SHORTENED_BELOW && self.global.is_empty());
+    /// Records a step that contact, the trust radius or the line search has shortened to `fraction` of its direction. A
+    /// volume that is kept shortens steps by itself, and a better direction does not help there.
+    pub(super) fn record_shortening(&mut self, fraction: Real) {
+        self.shortened_steps += u32::from(fraction < SHORTENED_BELOW && self.global.is_empty());
     }
 
     /// Keeps the pair (s, y) of a step of `length` along the last direction (m) from one gradient (N) to another.
@@ -218,18 +218,18 @@ impl QuasiNewton {
         from: &[Vec3],
         to: &[Vec3],
     ) {
-        if self.iterations >= PREDICTED_FORCE_ITERATIONS && !self.is_cut_short() {
+        if self.iterations >= PREDICTED_FORCE_ITERATIONS && !self.is_often_shortened() {
             self.history.push(length, self.slope, direction, from, to);
         }
     }
 
-    /// Takes notice of a step that is no multiple of its direction: drops the pairs, whose secants it has left.
+    /// Records a step that is no multiple of its direction: drops the pairs, whose secants it has left.
     pub(super) fn drop_pairs(&mut self) {
         self.history.clear();
-        self.cut += u32::from(self.global.is_empty());
+        self.shortened_steps += u32::from(self.global.is_empty());
     }
 
-    /// Puts the momentum of unconstrained components right at an evaluated point.
+    /// Restores the momentum of unconstrained components at an evaluated point.
     pub(super) fn restore_momentum(&self, stage: &Stage<'_>, point: &mut Point) {
         self.unconstrained.restore_momentum(stage, point);
     }
@@ -251,9 +251,9 @@ impl QuasiNewton {
     /// Goes back to L-BFGS without pairs, and takes the matrix anew in the next iteration. Returns whether that changes
     /// anything.
     pub(super) fn restart(&mut self) -> bool {
-        let changes = self.is_cut_short() || !self.history.is_empty() || self.age > 1;
+        let changes = self.is_often_shortened() || !self.history.is_empty() || self.age > 1;
         self.history.clear();
-        (self.age, self.cut) = (REFRESH_INTERVAL, 0);
+        (self.age, self.shortened_steps) = (REFRESH_INTERVAL, 0);
         changes
     }
 }

@@ -13,7 +13,8 @@ use cloth_core::method::family::Assembly;
 /// `‖x − x̂‖²_M / (2s²) + E(x) + damping + drag + contact`: inertia towards `x̂`, elasticity, the resistance to the
 /// rate of strain, that of the air, and what the cloth touches.
 ///
-/// The first two are [`IncrementalPotential`] with a goal `x̂` and a time `s` that depend on the integrator.
+/// The first two are [`IncrementalPotential`] with predicted positions `x̂` and a time `s` that depend on the
+/// integrator.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stage<'a> {
     pub(super) potential: IncrementalPotential<'a>,

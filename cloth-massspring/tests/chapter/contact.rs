@@ -1,4 +1,4 @@
-//! The guard of the explicit integrators where contact changes the end of a step.
+//! The stability monitor of the explicit integrators where contact changes the end of a step.
 
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
@@ -12,7 +12,7 @@ use cloth_massspring::{ExplicitEuler, SymplecticEuler};
 /// Pulls vertex 1 away from vertex 0, for ever.
 struct Pull {
     /// By so much a step (m).
-    way: Real,
+    displacement: Real,
     /// And by so much faster (m/s).
     push: Real,
     /// Whether it is a body that does it, and says what work that is.
@@ -51,13 +51,13 @@ impl ContactConstraints for Pull {
     fn sweep(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) {}
 
     fn end_substep(&mut self, _: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
-        x[1].x += self.way;
+        x[1].x += self.displacement;
         Ok(())
     }
 
     fn change_velocities(&mut self, v: &mut [Vec3]) {
-        // The way is not to become a velocity.
-        v[1].x -= self.way / DT;
+        // The displacement is not to become a velocity.
+        v[1].x -= self.displacement / DT;
         let before = v[1].norm_squared();
         v[1].x += self.push;
         if self.is_body {
@@ -73,7 +73,7 @@ impl ContactConstraints for Pull {
 const DT: Real = 0.01;
 
 const PULL: Pull = Pull {
-    way: 0.0,
+    displacement: 0.0,
     push: 0.0,
     is_body: false,
     work: 0.0,
@@ -108,10 +108,13 @@ fn solvers() -> (SymplecticEuler, ExplicitEuler) {
 
 #[test]
 fn motion_out_of_stretch_that_contact_leaves_ends_the_run() {
-    let stretch = || Pull { way: 1e-3, ..PULL };
+    let stretch = || Pull {
+        displacement: 1e-3,
+        ..PULL
+    };
     let (mut symplectic, mut forward) = solvers();
-    // Pulled by a on from step to step, the mass swings about a way of a/(Δt² ω²) = 0.1 m, with no more than ½ k (0.1
-    // m)² = 0.5 J.
+    // Pulled by a on from step to step, the mass swings about a displacement of a/(Δt² ω²) = 0.1 m, with no more than ½
+    // k (0.1 m)² = 0.5 J.
     let error = end(&mut symplectic, stretch()).unwrap_err();
     let StepError::EnergyGain { kinetic, given, .. } = error else {
         panic!("{error}")

@@ -157,7 +157,7 @@ fn turning() -> (Particles, Vec<Spring>, State) {
 }
 
 #[test]
-fn stiffness_damping_holds_back_no_rigid_motion() {
+fn stiffness_damping_leaves_rigid_motion_alone() {
     let (particles, springs, start) = turning();
     let end = |stiffness| {
         let damping = Damping {

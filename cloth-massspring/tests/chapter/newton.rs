@@ -77,8 +77,9 @@ pub(crate) fn norms(
 fn the_change_of_velocity_is_right_to_the_tolerance() {
     let (_, model) = hang(12);
     let distance = |a: &[Vec3], b: &[Vec3]| -> Real {
-        let ways = a.iter().zip(b).zip(model.particles.mass());
-        ways.map(|((a, b), m)| m * (a - b).norm_squared())
+        let displacements = a.iter().zip(b).zip(model.particles.mass());
+        displacements
+            .map(|((a, b), m)| m * (a - b).norm_squared())
             .sum::<Real>()
             .sqrt()
     };

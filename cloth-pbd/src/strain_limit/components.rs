@@ -1,4 +1,4 @@
-//! Connected components of the limits, and the rigid spin that restores their angular momentum.
+//! Connected components of the limits, and the angular-velocity correction that restores their angular momentum.
 
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::topology::DisjointSets;
@@ -60,8 +60,8 @@ impl Components {
             let (Some(pivot_before), Some(pivot)) = (from.pivot(), to.pivot()) else {
                 continue;
             };
-            let (wanted, _) = from.spin(pivot_before);
-            let (present, inertia) = to.spin(pivot);
+            let (wanted, _) = from.angular_momentum_and_inertia(pivot_before);
+            let (present, inertia) = to.angular_momentum_and_inertia(pivot);
             let omega = angular_velocity(&inertia, wanted - present);
             for i in component.iter().map(|&i| i as usize) {
                 if inverse_mass[i] > 0.0 {
@@ -104,7 +104,7 @@ impl Body<'_> {
     }
 
     /// `Σ m (x − c) × (v − u)` (kg m²/s) and the tensor of inertia (kg m²) about the pivot c that moves with u.
-    fn spin(&self, (c, u): (Vec3, Vec3)) -> (Vec3, Mat3) {
+    fn angular_momentum_and_inertia(&self, (c, u): (Vec3, Vec3)) -> (Vec3, Mat3) {
         let mut momentum = Vec3::zeros();
         let mut inertia = Mat3::zeros();
         for i in self.vertices().filter(|&i| self.w[i] > 0.0) {

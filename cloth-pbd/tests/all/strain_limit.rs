@@ -256,7 +256,7 @@ fn what_cannot_be_done_is_reported() {
     assert!(state == start);
 }
 
-/// A sheet that hangs by its upper edge, drawn 10 % too long, and may be stretched by 5 %: passes grow with the square
+/// A sheet that hangs by its upper edge, stretched by 10 %, and may be stretched by 5 %: passes grow with the square
 /// of the vertices a side.
 #[test]
 fn passes_to_a_limit_by_vertices_a_side() {
@@ -268,8 +268,8 @@ fn passes_to_a_limit_by_vertices_a_side() {
         let builder = builder.springs(&springs(&mesh), StretchRange::stretch(0.05));
         let mut limiter = builder.tolerance(1e-3).build().unwrap();
         let top = mesh.positions()[n * n - 1].y;
-        let drawn = |x: &Vec3| Vec3::new(x.x, top + 1.1 * (x.y - top), x.z);
-        let mut state = State::at_rest(mesh.positions().iter().map(drawn).collect());
+        let stretched = |x: &Vec3| Vec3::new(x.x, top + 1.1 * (x.y - top), x.z);
+        let mut state = State::at_rest(mesh.positions().iter().map(stretched).collect());
         let report = limiter.apply(&mut state, 0.01).unwrap();
         assert_eq!(report.outcome, Outcome::Converged);
         assert!(Strain::of(&springs(&mesh), &state.positions).max < 0.051_001);

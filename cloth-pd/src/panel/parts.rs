@@ -1,9 +1,9 @@
-//! A factor cut into parts that do not wait for each other.
+//! Cut of the elimination tree for threads.
 
 use super::{Lanes, Part};
 use cloth_core::method::linear::FactorView;
 
-/// Parts that a large factor is cut into, about: enough for a few threads, and few enough for the top to stay small.
+/// Parts that a large factor is cut into, about: enough for a few threads, few enough for a small separator.
 const PARTS: usize = 8;
 
 /// Smaller factors (numbers) stay whole: a solve takes less than a few times what it costs to wake a second thread.
@@ -12,10 +12,10 @@ const SMALLEST_DIVIDED: usize = 1 << 17;
 /// The supernodes of a factor, each list ascending.
 #[derive(Debug, Default)]
 pub(super) struct Division {
-    /// Lists of which no supernode reaches another list.
+    /// Independent subtrees of the elimination tree, small ones together in a list: no supernode reaches another list.
     pub(super) parts: Vec<Vec<u32>>,
-    /// All others.
-    pub(super) top: Vec<u32>,
+    /// Their separator: the common ancestors.
+    pub(super) separator: Vec<u32>,
 }
 
 impl Division {
@@ -44,15 +44,15 @@ impl Division {
         let total: usize = roots.map(|root| numbers[root]).sum();
         let mut division = Self::default();
         if total < SMALLEST_DIVIDED {
-            division.top = (0..count as u32).collect();
+            division.separator = (0..count as u32).collect();
             return division;
         }
         let limit = total / PARTS;
-        let is_top = |index: usize| numbers[index] > limit;
+        let is_separator = |index: usize| numbers[index] > limit;
         // Subtrees that follow each other are one part as long as they have no more than the limit together.
         let (mut sizes, mut part_of) = (Vec::new(), vec![0; count]);
-        for index in (0..count).filter(|&index| !is_top(index)) {
-            if parent(index).is_none_or(is_top) {
+        for index in (0..count).filter(|&index| !is_separator(index)) {
+            if parent(index).is_none_or(is_separator) {
                 match sizes.last_mut() {
                     Some(size) if *size + numbers[index] <= limit => *size += numbers[index],
                     _ => sizes.push(numbers[index]),
@@ -62,17 +62,17 @@ impl Division {
         }
         division.parts = vec![Vec::new(); sizes.len()];
         for index in (0..count).rev() {
-            if is_top(index) {
-                division.top.push(index as u32);
+            if is_separator(index) {
+                division.separator.push(index as u32);
                 continue;
             }
-            if let Some(parent) = parent(index).filter(|&parent| !is_top(parent)) {
+            if let Some(parent) = parent(index).filter(|&parent| !is_separator(parent)) {
                 part_of[index] = part_of[parent];
             }
             division.parts[part_of[index]].push(index as u32);
         }
         division.parts.iter_mut().for_each(|part| part.reverse());
-        division.top.reverse();
+        division.separator.reverse();
         division
     }
 }

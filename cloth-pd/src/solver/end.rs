@@ -1,4 +1,4 @@
-//! When a step is near enough to its end.
+//! Convergence tests of a step.
 
 use super::{DECREASE_WINDOW, Method, PdSolver};
 use crate::contact::Contact;
@@ -38,8 +38,8 @@ impl PdSolver {
         residual <= tolerance
     }
 
-    /// Whether the cloth flies freely: no force but gravity and the load is felt at the point.
-    pub(super) fn flies(&self) -> bool {
+    /// Whether the cloth is in free fall: no force but gravity and the load is felt at the point.
+    pub(super) fn is_in_free_fall(&self) -> bool {
         let (objective, point) = (&self.objective, &self.point);
         let imperceptible = NEGLIGIBLE_SPEED * objective.speed(point) / objective.dt();
         self.config.tolerance.is_none()
@@ -62,22 +62,22 @@ impl PdSolver {
         objective.norm(&self.point.gradient) <= tolerance * forces
     }
 
-    /// Whether the end of a step is near enough, with `part` times the tolerance: by the Newton decrement of the last
-    /// direction, and by `gain` (J), which is by how much `G` has fallen in [`DECREASE_WINDOW`] iterations. Pairs that
-    /// do not fit the Hessian can make the first too small.
-    pub(super) fn is_near(&self, part: Real, gain: Real) -> bool {
+    /// Whether velocities are as near to those of the minimum as `fraction` of the tolerance asks: by the Newton
+    /// decrement of the last direction, and by `decrease` (J), that of `G` in [`DECREASE_WINDOW`] iterations. Pairs
+    /// that do not fit the Hessian can make the first too small.
+    pub(super) fn meets_velocity_tolerance(&self, fraction: Real, decrease: Real) -> bool {
         let Method::QuasiNewton(method) = &self.method else {
             return false;
         };
         let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
         let velocity = forced.max(NEGLIGIBLE_SPEED * self.objective.speed(&self.point));
-        let enough = (part * self.config.velocity_tolerance * velocity).powi(2);
-        method.decrement() <= enough && gain <= DECREASE_WINDOW as Real * enough
+        let enough = (fraction * self.config.velocity_tolerance * velocity).powi(2);
+        method.decrement() <= enough && decrease <= DECREASE_WINDOW as Real * enough
     }
 
     /// Whether the last direction was one of Newton's method.
     pub(super) fn is_newton(&self) -> bool {
-        matches!(&self.method, Method::QuasiNewton(method) if method.is_touching())
+        matches!(&self.method, Method::QuasiNewton(method) if method.uses_newton_direction())
     }
 
     /// Whether a contact was active where the last iteration began.

@@ -81,9 +81,9 @@ impl ContactPotential for Floor {
         &mut self,
         _: &[Vec3],
         _: &mut [Vec3],
-        parts: &mut [Real],
+        fractions: &mut [Real],
     ) -> Result<(), ContactError> {
-        parts.fill(1.0);
+        fractions.fill(1.0);
         Ok(())
     }
 

@@ -165,7 +165,7 @@ fn the_first_guess_has_as_much_of_gravity_as_the_last_step_had() {
 }
 
 #[test]
-fn stiffness_damping_holds_back_no_rigid_motion() {
+fn stiffness_damping_leaves_rigid_motion_alone() {
     let scene = scene::build("drop", None, &Settings::of("n=9 gravity=0")).unwrap();
     let settings = Settings::of("iterations=5 stiffness_damping=0.1");
     let mut vbd = VBD.build(&scene, &settings, scene.dt).unwrap();

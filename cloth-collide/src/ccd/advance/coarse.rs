@@ -10,7 +10,7 @@ impl<const K: usize> Walk<K>
 where
     [Vec3; K]: NearestFeature,
 {
-    /// Walks in `f64`, at most `budget` steps. Also tells which part of the motion it would have tried next.
+    /// Walks in `f64`, at most `budget` steps. Also tells which fraction of the motion it would have tried next.
     pub(super) fn coarse(&self, slack: Real, budget: u32) -> (Option<Impact>, Real) {
         let Self { polygon, margin } = self;
         if margin.apart_along_an_axis(&polygon.from.rounded, &polygon.to.rounded) {
@@ -22,19 +22,19 @@ where
         for steps in 1..=budget {
             let stopped = |stop: Stop| Some(Impact { time, stop });
             let feature = x.nearest_feature();
-            let Some((direction, clearance)) = self.best_steady(feature, &x) else {
+            let Some((direction, gap)) = self.best_steady(feature, &x) else {
                 return (stopped(Stop::Contact), trial);
             };
             if steps == 1 {
-                goal = slack * clearance;
+                goal = slack * gap;
             }
-            // Where rounding hides the clearance, it may still be as large as the rounding.
-            let plausible = clearance.max(Real::EPSILON * margin.size);
+            // Where rounding hides the gap, it may still be as large as the rounding.
+            let plausible = gap.max(Real::EPSILON * margin.size);
             trial = next_trial(trial, plausible, before);
-            if clearance <= 0.0 {
+            if gap <= 0.0 {
                 return (stopped(Stop::Contact), trial);
             }
-            if clearance <= goal {
+            if gap <= goal {
                 return (stopped(Stop::Slack), trial);
             }
             let far = margin.steady_reach(direction, &x, &polygon.to.rounded);
@@ -58,7 +58,7 @@ where
                 much if much >= 0.25 => 0.5 * trial,
                 _ => 0.125 * trial,
             };
-            before = Some([next - time, clearance]);
+            before = Some([next - time, gap]);
             time = next;
             x = polygon.at(time).map(Into::into);
         }
@@ -66,21 +66,21 @@ where
         (Some(Impact { time, stop }), trial)
     }
 
-    /// The steady direction that certifies the largest clearance at `x`, and this clearance (own unit).
+    /// The steady direction that certifies the largest certified gap at `x`, and this gap (own unit).
     fn best_steady(&self, feature: Feature, x: &[Vec3; K]) -> Option<(Vec3, Real)> {
         <[Vec3; K]>::containing(feature)
             .filter_map(|feature| steady(feature, x))
-            .map(|direction| (direction, self.margin.clearance(direction, x)))
+            .map(|direction| (direction, self.margin.certified_gap(direction, x)))
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
 
-/// The part of the motion to try next: not much more than twice as far as where a straight line through the last two
-/// clearances meets zero. `before` holds the last advance and the clearance ahead of it.
-fn next_trial(trial: Real, clearance: Real, before: Option<[Real; 2]>) -> Real {
+/// The fraction of the motion to try next: not much more than twice as far as where a straight line through the last
+/// two gaps meets zero. `before` holds the last advance and the gap ahead of it.
+fn next_trial(trial: Real, gap: Real, before: Option<[Real; 2]>) -> Real {
     match before {
-        Some([advance, earlier]) if earlier > clearance => {
-            let zero = advance * clearance / (earlier - clearance);
+        Some([advance, earlier]) if earlier > gap => {
+            let zero = advance * gap / (earlier - gap);
             trial.min(2.0 * zero)
         }
         _ => trial.min(1.0),

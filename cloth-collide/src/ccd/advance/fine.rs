@@ -19,7 +19,7 @@ impl<const K: usize> Walk<K>
 where
     [Vec3; K]: NearestFeature,
 {
-    /// The walk in double-double numbers from `time` on, which `coarse` has reached, trying the part `trial` of the
+    /// The walk in double-double numbers from `time` on, which `coarse` has reached, trying the fraction `trial` of the
     /// motion first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do
     /// not.
     ///

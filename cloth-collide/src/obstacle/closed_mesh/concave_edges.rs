@@ -21,14 +21,17 @@ use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::EdgeTable;
 
-/// A triangle this part of the size of a body above the plane of its neighbour makes the edge between them concave.
+/// A triangle this fraction of the size of a body above the plane of its neighbour makes the edge between them concave.
 const ABOVE: Real = 1e-9;
 
-/// Whether the surface, which is closed and does not pass through itself, is that of a convex body: in one piece, and
+/// Whether the surface, which is closed and does not pass through itself, is that of a convex body: one component, and
 /// without a concave edge.
 pub(super) fn is_convex(mesh: &TriMesh, table: &EdgeTable, faces: &[Vec3]) -> bool {
-    let pieces = joined(mesh.vertex_count(), table.ends());
-    if pieces.iter().any(|&piece| piece != pieces[0]) {
+    let components = joined(mesh.vertex_count(), table.ends());
+    if components
+        .iter()
+        .any(|&component| component != components[0])
+    {
         return false;
     }
     let size = Bounds::of(mesh.positions()).size();

@@ -4,7 +4,7 @@ use super::between::PatchPair;
 use super::{LARGEST_BOUND, LEAST_BOUND, MOTIONS, NearPair, PATCH, Patches};
 use crate::bounds::Bounds;
 use crate::pair::{Pair, nearest};
-use crate::potential::constraints::SLACK;
+use crate::potential::constraints::DETECTION_MARGIN;
 use crate::potential::near::Near;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::parallel::{join, wide};
@@ -133,7 +133,7 @@ impl Patches {
     /// The motion bound (m) of a detection, where patches move by `once` (m) in the motion.
     fn motion_bound(&self, near: &Near, once: Real) -> Real {
         let h = near.law.range();
-        let once = once + SLACK * h;
+        let once = once + DETECTION_MARGIN * h;
         let bound = (MOTIONS * once).clamp(LEAST_BOUND * h, (LARGEST_BOUND * self.edge).max(h));
         bound.max(1.5 * once)
     }

@@ -1,4 +1,4 @@
-//! Free flight before the sweeps, velocities after them, contact and the work of prescribed vertices.
+//! Inertial prediction before the sweeps, velocities after them, contact and the work of prescribed vertices.
 
 use super::{ConstraintUpdate, Families, RowView};
 use crate::contact::{ContactConstraints, ContactError, ContactStep};
@@ -117,7 +117,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Free flight over `h` (s): `v ← v + h a`, `x ← x + h v`. A prescribed vertex keeps its v.
+    /// Inertial prediction over `h` (s): `v ← v + h a`, `x ← x + h v`. A prescribed vertex keeps its v.
     ///
     /// # Errors
     /// [`StepError::Contact`], [`StepError::NonFinite`].

@@ -2,10 +2,10 @@
 //!
 //! The matrix of a direction is made positive, and is too stiff where cloth buckles: along the directions out of a fold
 //! the true curvature is small or negative, and whole steps there are many and short. The slope at the end of one
-//! tells. If a large part of it is left, the secant through both slopes says where it would be zero, and one more step
-//! along the same direction goes there (J. J. Moré, D. J. Thuente, "Line search algorithms with guaranteed sufficient
-//! decrease", ACM TOMS 20, 1994, <https://doi.org/10.1145/192115.192132>): it costs a contact query and an evaluation,
-//! and no solve.
+//! tells. If a large fraction of it is left, the secant through both slopes says where it would be zero, and one more
+//! step along the same direction goes there (J. J. Moré, D. J. Thuente, "Line search algorithms with guaranteed
+//! sufficient decrease", ACM TOMS 20, 1994, <https://doi.org/10.1145/192115.192132>): it costs a contact query and an
+//! evaluation, and no solve.
 //!
 //! *Tried in vain*, on six scenes with contact: other numbers than those below (0.3 and 0.7, 10, 0.1), which make no
 //! difference beyond chance; two or more such steps; and pairs of L-BFGS around the truncated Newton direction, with
@@ -17,11 +17,11 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::method::vectors::dot;
 use cloth_core::step::StepError;
 
-/// Part of the slope that has to be left.
+/// Fraction of the slope that has to be left.
 const MIN_SLOPE_RATIO: Real = 0.5;
 /// How many times the direction a step may go beyond it.
 const MAX_EXTRAPOLATION: Real = 4.0;
-/// A step is not taken if contact leaves less than this part of it.
+/// A step is not taken if contact leaves less than this fraction of it.
 const MIN_FREE_FRACTION: Real = 0.2;
 
 impl Minimizer {
@@ -41,13 +41,13 @@ impl Minimizer {
             return Ok(1.0);
         }
         // Zero of the secant; where the slope has grown there is none ahead.
-        let part = match left > slope {
+        let length = match left > slope {
             true => (left / (slope - left)).min(MAX_EXTRAPOLATION),
             false => MAX_EXTRAPOLATION,
         };
         let count = self.next.positions.len();
         let farther = self.farther.get_or_insert_with(|| Point::new(count));
-        line_search::place(&self.next, &self.direction, part, farther);
+        line_search::place(&self.next, &self.direction, length, farther);
         let limited = source.limit(&self.next.positions, &farther.positions);
         let safe = limited.map_err(|reason| task.refused(reason))?;
         if safe < MIN_FREE_FRACTION {
@@ -55,7 +55,8 @@ impl Minimizer {
         }
         let stage = with(task, contact);
         let direction: &[Vec3] = &self.direction;
-        let found = line_search::search(&stage, &self.next, direction, left, part * safe, farther);
+        let found =
+            line_search::search(&stage, &self.next, direction, left, length * safe, farther);
         if !found.accepted {
             return Ok(1.0);
         }

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A step whose cloth is linearised is good enough once the true function has gone down by this part of what the
+/// A step whose cloth is linearised is good enough once the true function has gone down by this fraction of what the
 /// linearised one has (the ratio of trust-region methods: Nocedal and Wright, *Numerical Optimization*, 2006, (4.4)).
 /// With less, a sheet that falls on a ball gains energy (`cloth-bench/doc/results.md`); with more it is linearised more
 /// often for the same fall.

@@ -1,4 +1,4 @@
-//! What the contour cuts off a cloth: the parts that are probably on the wrong side.
+//! What the contour cuts off a cloth: the components that are probably on the wrong side.
 
 use super::crossing::Crossing;
 use crate::incidence::{edge_numbers, joined};
@@ -6,32 +6,32 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::DisjointSets;
 
-/// Connected parts of the mesh, when the edges that pass through a triangle are taken away.
+/// Connected components of the mesh, when the edges that pass through a triangle are taken away.
 ///
-/// Each connected mesh has a largest part outside of bodies, taken to be right, and the others are to go back through
-/// the surface that cut them off. This is the global analysis of Baraff et al. (2003), with the number of vertices for
-/// the size of a part.
+/// Each connected mesh has a largest component outside of bodies, taken to be right, and the others are to go back
+/// through the surface that cut them off. This is the global analysis of Baraff et al. (2003), with the number of
+/// vertices for the size of a component.
 #[derive(Debug)]
-pub(super) struct Pieces {
+pub(super) struct Components {
     edges: Vec<[u32; 2]>,
     /// What joins vertices besides.
     sewn: Vec<[u32; 2]>,
     /// The number of each vertex's mesh, if several are one.
     mesh_of: Vec<u32>,
     sets: DisjointSets,
-    /// The lowest vertex of the part of each vertex: its root.
+    /// The lowest vertex of the component of each vertex: its root.
     parent: Vec<u32>,
-    /// Vertices of the part of each root, and the largest root of each mesh.
+    /// Vertices of the component of each root, and the largest root of each mesh.
     sizes: Vec<u32>,
     largest: Vec<u32>,
     /// Edges and triangles that cross, each pair once.
     crossings: Vec<Crossing>,
     cut: Vec<bool>,
-    /// Direction of the way back of each root's part (m², not of unit length).
+    /// Direction back of each root's component (m², not of unit length).
     back: Vec<Vec3>,
 }
 
-impl Pieces {
+impl Components {
     /// Of a mesh with pairs of vertices that are sewn together.
     pub(super) fn new(mesh: &TriMesh, sewn: &[[u32; 2]]) -> Self {
         let (edges, _) = edge_numbers(mesh.triangles());
@@ -64,8 +64,8 @@ impl Pieces {
         }
     }
 
-    /// Takes over where edges pass through triangles, and which vertices are inside of a body: a part is all inside or
-    /// all outside, and what is inside is not right. Whether anything is cut off.
+    /// Takes over where edges pass through triangles, and which vertices are inside of a body: a component is all
+    /// inside or all outside, and what is inside is not right. Whether anything is cut off.
     pub(super) fn divide(
         &mut self,
         crossings: impl Iterator<Item = Crossing>,
@@ -105,14 +105,15 @@ impl Pieces {
         cut_off
     }
 
-    /// Whether a vertex is in a part that was cut off.
+    /// Whether a vertex is in a component that was cut off.
     pub(super) fn is_cut_off(&self, vertex: u32) -> bool {
         let root = self.parent[vertex as usize];
         root != self.largest[self.mesh_of[vertex as usize] as usize]
     }
 
-    /// Replaces `out` by the way away from where the parts should go (dimensionless), so that going against it, as
-    /// against a gradient, pushes them back through the triangles that cut them off, and these the other way.
+    /// Replaces `out` by the direction away from where the components should go (dimensionless), so that going against
+    /// it, as against a gradient, pushes them back through the triangles that cut them off, and these in the other
+    /// direction.
     pub(super) fn push(
         &mut self,
         positions: &[Vec3],
@@ -122,13 +123,13 @@ impl Pieces {
         out.fill(Vec3::zeros());
         self.back.fill(Vec3::zeros());
         for crossing in &self.crossings {
-            let Some((inside, n)) = self.way_back(crossing, positions) else {
+            let Some((inside, n)) = self.direction_back(crossing, positions) else {
                 continue;
             };
             self.back[self.parent[inside as usize] as usize] += n;
             for (vertex, weight) in crossing.triangle.iter().zip(crossing.weights) {
                 out[*vertex as usize] += n * weight;
-                // What a part of a body has cut off goes where that goes through.
+                // What a component of a body has cut off goes where that goes through.
                 if is_body(inside) && self.is_cut_off(*vertex) {
                     let root = self.parent[*vertex as usize];
                     self.back[root as usize] -= n * weight;
@@ -142,7 +143,7 @@ impl Pieces {
 
     /// The end of a crossing edge that is on the wrong side, and the unit normal of the triangle that leads to the
     /// other.
-    fn way_back(&self, crossing: &Crossing, positions: &[Vec3]) -> Option<(u32, Vec3)> {
+    fn direction_back(&self, crossing: &Crossing, positions: &[Vec3]) -> Option<(u32, Vec3)> {
         let [a, b] = crossing.edge;
         let (inside, outside) = match (self.is_cut_off(a), self.is_cut_off(b)) {
             (true, false) => (a, b),

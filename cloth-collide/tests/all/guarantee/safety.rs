@@ -21,17 +21,17 @@ fn soup(random: &mut Random, count: usize) -> TriMesh {
     together(&sheets)
 }
 
-/// Nothing crosses at the end of a step that began at `from`, nor on the way there.
+/// Nothing crosses at the end of a step that began at `from`, nor on the path there.
 fn assert_no_crossing_since(from: &[Vec3], flight: &mut Flight, seed: u64, step: u32) {
     let end = flight.positions.clone();
     for tenths in [1, 3, 5, 7, 9, 10] {
-        let part = f64::from(tenths) / 10.0;
-        let between = from.iter().zip(&end).map(|(a, b)| a.lerp(b, part));
+        let fraction = f64::from(tenths) / 10.0;
+        let between = from.iter().zip(&end).map(|(a, b)| a.lerp(b, fraction));
         flight.positions = between.collect();
         assert_eq!(
             flight.crossings(),
             0,
-            "seed {seed}, step {step}, {part}: {:?}",
+            "seed {seed}, step {step}, {fraction}: {:?}",
             flight.contacts.constraint_report()
         );
     }
@@ -39,7 +39,7 @@ fn assert_no_crossing_since(from: &[Vec3], flight: &mut Flight, seed: u64, step:
 }
 
 /// Steps of a soup whose vertices are kicked at random, by `kick` (m/s), and drawn together; nothing crosses at their
-/// ends nor on the way. Returns in how many steps there were rows, impact zones and shortened ways.
+/// ends nor on the paths. Returns in how many steps there were constraints, impact zones and truncated paths.
 fn stir(seeds: std::ops::Range<u64>, steps: u32, kick: f64) -> [u32; 3] {
     let mut counts = [0; 3];
     for seed in seeds {
@@ -72,8 +72,8 @@ fn stir(seeds: std::ops::Range<u64>, steps: u32, kick: f64) -> [u32; 3] {
 
 #[test]
 fn random_motions_of_random_pieces_never_cross() {
-    let [rows, ..] = stir(0..8, 40, 1.0);
-    assert!(rows > 200, "{rows}");
+    let [constraints, ..] = stir(0..8, 40, 1.0);
+    assert!(constraints > 200, "{constraints}");
 }
 
 /// So wild that impulses alone are not enough.
@@ -223,7 +223,7 @@ fn sheet_squeezed_between_walls_passes_if_it_may() {
 }
 
 #[test]
-fn prescribed_sheets_that_cross_have_no_way() {
+fn prescribed_sheets_that_cross_have_no_feasible_path() {
     let sheet = grid(3, 3, 0.2, 0.2, Diagonals::Alternating).unwrap();
     let other = moved(&sheet, |x| x + Vec3::new(0.013, 0.017, 0.1));
     let mesh = together(&[sheet, other]);
@@ -284,9 +284,9 @@ fn between_walls(mesh: &TriMesh, friction: f64) -> PotentialContacts {
 }
 
 /// Pieces so wild that they become rigid zones, which a floor below and a roof above do not let go where they would:
-/// then vertices are held back, and the report says how many and how much.
+/// then paths are truncated, and the report says how many and how much.
 #[test]
-fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
+fn zones_that_an_obstacle_stops_are_truncated_and_the_report_says_so() {
     let mut held_steps = 0;
     for seed in 0..2 {
         let mut random = Random::new(seed);

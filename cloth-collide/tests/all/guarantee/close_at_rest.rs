@@ -44,11 +44,11 @@ fn corner_that_rests_on_its_own_cloth_does_not_go_through_it() {
         .unwrap();
     let found = SeparationProbe::new(&mesh).measure(&positions).unwrap();
     assert_eq!(found.intersecting_pairs, 0, "at {:e} m", positions[4].z);
-    // It gives in by the law of contact, and the velocity is that of its way.
-    let way = positions[4].z - 5e-6;
-    assert!((-1e-6..0.0).contains(&way), "{way:e}");
+    // It gives in by the law of contact, and the velocity is that of its displacement.
+    let displacement = positions[4].z - 5e-6;
+    assert!((-1e-6..0.0).contains(&displacement), "{displacement:e}");
     assert!(
-        (velocities[4].z - way / 0.01).abs() < 1e-12,
+        (velocities[4].z - displacement / 0.01).abs() < 1e-12,
         "{}",
         velocities[4]
     );
@@ -132,7 +132,7 @@ fn nothing_crosses_that_is_closer_at_rest_than_any_tolerance() {
             );
         }
     }
-    // Held vertices that move leave no way now and then.
+    // Held vertices that move leave no feasible path now and then.
     assert!(resolved.iter().all(|&steps| steps > 350), "{resolved:?}");
     assert!(refused < 150 && tangled < 10, "{refused}, {tangled}");
 }

@@ -53,8 +53,8 @@ impl Flight {
             for _ in 0..SWEEPS {
                 self.keep_lengths(&mut positions);
             }
-            let ways = positions.iter().zip(&self.positions);
-            velocities = ways.map(|(to, from)| (to - from) / dt).collect();
+            let displacements = positions.iter().zip(&self.positions);
+            velocities = displacements.map(|(to, from)| (to - from) / dt).collect();
         }
         let step = ContactStep {
             from: &self.positions,
@@ -84,9 +84,9 @@ impl Flight {
     fn keep_lengths(&self, x: &mut [Vec3]) {
         for &([a, b], length) in &self.edges {
             let (wa, wb) = (self.inverse_mass[a], self.inverse_mass[b]);
-            let way = x[b] - x[a];
-            if wa + wb > 0.0 && way.norm() > 0.0 {
-                let correction = way * ((1.0 - length / way.norm()) / (wa + wb));
+            let difference = x[b] - x[a];
+            if wa + wb > 0.0 && difference.norm() > 0.0 {
+                let correction = difference * ((1.0 - length / difference.norm()) / (wa + wb));
                 x[a] += correction * wa;
                 x[b] -= correction * wb;
             }
