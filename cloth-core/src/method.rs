@@ -11,6 +11,7 @@ pub mod family;
 pub mod block_matrix;
 
 pub mod coloring;
+pub mod contact_hessian;
 pub mod ordering;
 
 pub mod chunked;

@@ -34,7 +34,6 @@ mod bdf2;
 mod builder;
 mod damper;
 mod drift;
-mod global_terms;
 mod line_search;
 mod linearized;
 mod minimizer;
@@ -43,7 +42,6 @@ mod progress;
 mod quasi_newton;
 mod stage;
 mod system;
-mod truncated_newton;
 
 pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;

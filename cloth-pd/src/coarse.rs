@@ -32,7 +32,7 @@
 
 use crate::components::FreeComponents;
 use crate::global::GlobalSystem;
-use crate::lattice::{Lattice, PaddedBlock};
+use crate::lattice::{ElementProlongation, Lattice, PaddedBlock};
 use crate::local::Projections;
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Mat3, Real, Vec3};
@@ -50,6 +50,8 @@ pub(crate) struct CoarseGrid {
     prolongation: Prolongation,
     /// `Pᵀ H P` (N/m).
     matrix: BlockMatrix,
+    /// S P of each family; nothing of those that the constant matrix does not have.
+    operators: Vec<ElementProlongation>,
     /// `Pᵀ M P` (kg), block by block.
     mass: Vec<Real>,
     /// The part of it that elements add (N/m).
@@ -65,15 +67,14 @@ pub(crate) struct CoarseGrid {
 }
 
 impl CoarseGrid {
-    /// Lays a lattice of `cells` over the cloth at rest (m), and prepares the families that `global` has to be summed
-    /// on it.
+    /// Lays a lattice of `cells` over the cloth at rest (m), for the families that `global` has.
     pub(crate) fn new(
         rest: &[Vec3],
         cells: u32,
         particles: &Particles,
         global: &GlobalSystem,
         free_components: &FreeComponents,
-        families: &mut [Box<dyn Projections>],
+        families: &[Box<dyn Projections>],
     ) -> Self {
         let is_free = |vertex: usize| !particles.is_prescribed(vertex);
         let Lattice {
@@ -108,12 +109,14 @@ impl CoarseGrid {
                 mass[slot] += own * weight;
             });
         }
-        let kept = families.iter_mut().enumerate();
-        for (_, family) in kept.filter(|(index, _)| global.includes(*index)) {
-            family.bind(&prolongation, &pattern);
-        }
+        let operators =
+            (families.iter().enumerate()).map(|(index, family)| match global.includes(index) {
+                true => family.prolongation(&prolongation, &pattern),
+                false => ElementProlongation::default(),
+            });
         Self {
             multigrid,
+            operators: operators.collect(),
             right_hand_side: vec![Vec3::zeros(); node_positions.len()],
             solution: vec![Vec3::zeros(); node_positions.len()],
             prolongation,
@@ -140,8 +143,8 @@ impl CoarseGrid {
         dt: Real,
     ) {
         self.stiffness.fill(PaddedBlock::default());
-        for family in families {
-            family.add_stiffness(x, &mut self.stiffness);
+        for (family, operator) in families.iter().zip(&self.operators) {
+            family.add_stiffness(operator, x, &mut self.stiffness);
         }
         let sums = self.mass.iter().zip(&self.stiffness);
         for (block, (mass, stiffness)) in self.matrix.blocks_mut().iter_mut().zip(sums) {
@@ -245,12 +248,12 @@ mod tests {
         let families = |springs| -> Vec<Box<dyn Projections>> {
             vec![Box::new(Family::new(springs, particles).unwrap())]
         };
-        let mut on_lattice = families(model.springs.clone());
+        let on_lattice = families(model.springs.clone());
         let global = GlobalSystem::new(particles, &on_lattice, vec![false]).unwrap();
         let entries = global.stiffness().iter().map(|(&k, (i, j))| (i, j, k));
         let none = FreeComponents::of(&entries.collect::<Vec<_>>(), particles);
         let rest = mesh.positions();
-        let mut coarse = CoarseGrid::new(rest, 4, particles, &global, &none, &mut on_lattice);
+        let mut coarse = CoarseGrid::new(rest, 4, particles, &global, &none, &on_lattice);
         let x: Vec<Vec3> = (rest.iter().enumerate())
             .map(|(v, x)| x * 1.1 + Vec3::z() * 0.01 * (v as Real).sin())
             .collect();
@@ -272,10 +275,10 @@ mod tests {
         let mut pattern = PatternBuilder::new(289);
         pattern.add(&model.springs);
         let pattern = pattern.build();
-        let mut on_mesh = families(model.springs.clone());
-        on_mesh[0].bind(&every_vertex, &pattern);
+        let on_mesh = families(model.springs.clone());
+        let operator = on_mesh[0].prolongation(&every_vertex, &pattern);
         let mut stiffness = vec![PaddedBlock::default(); pattern.block_count()];
-        on_mesh[0].add_stiffness(&x, &mut stiffness);
+        on_mesh[0].add_stiffness(&operator, &x, &mut stiffness);
         let mut matrix = BlockMatrix::zeros(pattern);
         matrix.set_diagonal(particles.mass(), 1.0 / dt / dt);
         for (block, sum) in matrix.blocks_mut().iter_mut().zip(&stiffness) {

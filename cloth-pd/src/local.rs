@@ -39,7 +39,7 @@ use crate::lattice::{ElementProlongation, PaddedBlock};
 use crate::vertex_blocks::VertexBlocks;
 use cloth_core::element::{Element, Projective};
 use cloth_core::error::not_negative;
-use cloth_core::math::{Mat3, Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::check_vertices;
 use cloth_core::method::multigrid::Prolongation;
@@ -73,19 +73,18 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// of its operator, with the weight −w. `None` if there is no such element.
     fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()>;
 
-    /// Gets ready to add stiffness on a coarse space, whose matrices have `pattern`: P leads from there to the
-    /// vertices.
-    fn bind(&mut self, to_vertices: &Prolongation, pattern: &BlockPattern);
+    /// Hands over the vertices of each element.
+    fn for_each_stencil(&self, visit: &mut dyn FnMut(&[u32]));
 
-    /// Adds `Pᵀ (Σ w Sᵀ (I − ∂p/∂z) S) P` at x (m) to a matrix on that pattern (N/m), or nothing if it was never bound.
-    fn add_stiffness(&self, x: &[Vec3], out: &mut [PaddedBlock]);
+    /// `S P` of the elements, for matrices with `pattern` on a space from which P leads to the vertices.
+    fn prolongation(
+        &self,
+        to_vertices: &Prolongation,
+        pattern: &BlockPattern,
+    ) -> ElementProlongation;
 
-    /// Takes `w (I − ∂p/∂z)` of each element at x (m), and adds the 3 × 3 blocks on the diagonal of `Σ w Sᵀ (I − ∂p/∂z)
-    /// S` to those of the vertices (N/m); nothing if the projections are constant.
-    fn linearize(&mut self, x: &[Vec3], diagonal: &mut [Mat3]);
-
-    /// Adds `Σ w Sᵀ (I − ∂p/∂z) S d` of displacements d (m) to `out` (N), as it was linearised.
-    fn add_product(&self, d: &[Vec3], out: &mut [Vec3]);
+    /// Adds `Pᵀ (Σ w Sᵀ (I − ∂p/∂z) S) P` at x (m) to a matrix on that pattern (N/m), or nothing if S P is empty.
+    fn add_stiffness(&self, on: &ElementProlongation, x: &[Vec3], out: &mut [PaddedBlock]);
 }
 
 /// The state of an element that the caller gave.
@@ -106,10 +105,6 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
     /// Whether all of them project to a sphere.
     are_spheres: bool,
     blocks: VertexBlocks,
-    /// What each element adds to the coarse matrix; nothing without a coarse grid.
-    prolongation: ElementProlongation,
-    /// `w (I − ∂p/∂z)` (N/m) of each element where they were linearised.
-    hessians: Vec<[[Mat3; K]; K]>,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
@@ -132,8 +127,6 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
             elements,
             slots,
             blocks: VertexBlocks::new(particles.len()),
-            prolongation: ElementProlongation::default(),
-            hessians: Vec::new(),
         })
     }
 
@@ -210,57 +203,26 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         Some(())
     }
 
-    fn bind(&mut self, to_vertices: &Prolongation, pattern: &BlockPattern) {
-        self.prolongation = ElementProlongation::of(&self.elements, to_vertices, pattern);
+    fn for_each_stencil(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.iter().for_each(|e| visit(&e.vertices()));
     }
 
-    fn add_stiffness(&self, x: &[Vec3], out: &mut [PaddedBlock]) {
-        if self.prolongation.of_element.is_empty() {
+    fn prolongation(
+        &self,
+        to_vertices: &Prolongation,
+        pattern: &BlockPattern,
+    ) -> ElementProlongation {
+        ElementProlongation::of(&self.elements, to_vertices, pattern)
+    }
+
+    fn add_stiffness(&self, on: &ElementProlongation, x: &[Vec3], out: &mut [PaddedBlock]) {
+        if on.of_element.is_empty() {
             return;
         }
-        let (elements, prolongation, are_spheres) =
-            (&self.elements, &self.prolongation, self.are_spheres);
+        let (elements, are_spheres) = (&self.elements, self.are_spheres);
         wide(
             #[inline(always)]
-            || add_stiffness(elements, prolongation, are_spheres, x, out),
-        );
-    }
-
-    fn linearize(&mut self, x: &[Vec3], diagonal: &mut [Mat3]) {
-        self.hessians.clear();
-        if E::PROJECTION_IS_CONSTANT {
-            return;
-        }
-        for element in &self.elements {
-            let (operator, weight) = (element.operator(), element.weight());
-            let hessian =
-                element.projected_hessian(apply(&operator, &gather(x, element.vertices())));
-            let hessian = hessian.map(|row| row.map(|block| block * weight));
-            for (i, vertex) in element.vertices().into_iter().enumerate() {
-                let own: Mat3 = (0..K)
-                    .flat_map(|k| (0..K).map(move |l| (k, l)))
-                    .map(|(k, l)| hessian[k][l] * (operator[k][i] * operator[l][i]))
-                    .sum();
-                diagonal[vertex as usize] += own;
-            }
-            self.hessians.push(hessian);
-        }
-    }
-
-    fn add_product(&self, d: &[Vec3], out: &mut [Vec3]) {
-        let hessians = self.elements.iter().zip(&self.hessians);
-        wide(
-            #[inline(always)]
-            || {
-                for (element, hessian) in hessians {
-                    let (vertices, operator) = (element.vertices(), element.operator());
-                    let moved = apply(&operator, &gather(d, vertices));
-                    let force = hessian.map(|row| row.iter().zip(&moved).map(|(h, d)| h * d).sum());
-                    for (i, vertex) in vertices.into_iter().enumerate() {
-                        out[vertex as usize] += force_on(&operator, &force, i);
-                    }
-                }
-            },
+            || add_stiffness(elements, on, are_spheres, x, out),
         );
     }
 }
@@ -421,9 +383,9 @@ mod tests {
             .map(|step| -> Vec<Vec3> { x.iter().zip(&along).map(|(x, d)| x + d * step).collect() });
         for springs in [model.springs, turned] {
             let mut family = Family::new(springs, &model.particles).unwrap();
-            family.bind(&every_vertex, &pattern);
+            let operator = family.prolongation(&every_vertex, &pattern);
             let mut blocks = vec![PaddedBlock::default(); pattern.block_count()];
-            family.add_stiffness(&x, &mut blocks);
+            family.add_stiffness(&operator, &x, &mut blocks);
             let mut matrix = BlockMatrix::zeros(pattern.clone());
             for (block, sum) in matrix.blocks_mut().iter_mut().zip(&blocks) {
                 *block = sum.block();

@@ -229,57 +229,9 @@ impl Objective {
         point.is_evaluated = true;
     }
 
-    /// Takes the projected Hessian H at x (m), without contact, and writes the 3 × 3 blocks on its diagonal to
-    /// `diagonal` (N/m).
-    pub(crate) fn linearize(&mut self, x: &[Vec3], diagonal: &mut [Mat3]) {
-        for (block, mass) in diagonal.iter_mut().zip(self.particles.mass()) {
-            *block = Mat3::from_diagonal_element(mass / self.dt / self.dt);
-        }
-        for (vertex, value) in self.quadratic.diagonal() {
-            diagonal[vertex] += Mat3::from_diagonal_element(value);
-        }
-        for family in &mut self.families {
-            family.linearize(x, diagonal);
-        }
-        for attachment in &self.attachments {
-            let stiffness = Mat3::from_diagonal_element(attachment.stiffness);
-            diagonal[attachment.vertex as usize] += stiffness;
-        }
-        for (block, (drag, _)) in diagonal.iter_mut().zip(&self.drag) {
-            *block += drag / self.dt;
-        }
-    }
-
-    /// Writes `H d` (N) to `out`, with the H that was taken last and displacements d (m), 0 of prescribed vertices.
-    pub(crate) fn multiply(&self, d: &[Vec3], padded: &mut Vec<Padded>, out: &mut [Vec3]) {
-        padded.clear();
-        padded.extend(d.iter().map(|d| [d.x, d.y, d.z, 0.0]));
-        let (mass, quadratic, padded) = (self.particles.mass(), &self.quadratic, &padded[..]);
-        let per_dt_squared = 1.0 / self.dt / self.dt;
-        map_reduce(
-            &mut *out,
-            #[inline(always)]
-            |start, out: &mut [Vec3]| {
-                for (vertex, out) in (start..).zip(out) {
-                    let [x, y, z, _] = quadratic.times(vertex, padded);
-                    *out = d[vertex] * (mass[vertex] * per_dt_squared) + Vec3::new(x, y, z);
-                }
-                []
-            },
-        );
-        for family in &self.families {
-            family.add_product(d, out);
-        }
-        for attachment in &self.attachments {
-            let vertex = attachment.vertex as usize;
-            out[vertex] += d[vertex] * attachment.stiffness;
-        }
-        for ((out, d), (drag, _)) in out.iter_mut().zip(d).zip(&self.drag) {
-            *out += drag * d / self.dt;
-        }
-        let free = self.particles.inverse_mass().iter().zip(out);
-        let prescribed = free.filter(|(w, _)| **w == 0.0);
-        prescribed.for_each(|(_, out)| *out = Vec3::zeros());
+    /// The entries of the lower half of `Σ w SᵀS` (N/m) over the families of constant projection: row, column, value.
+    pub(crate) fn quadratic_entries(&self) -> impl Iterator<Item = (usize, usize, Real)> {
+        self.quadratic.lower_half()
     }
 
     /// Writes down x, q with a fourth number, and no gradient yet.

@@ -50,12 +50,6 @@ impl Quadratic {
         })
     }
 
-    /// Its diagonal (N/m).
-    pub(crate) fn diagonal(&self) -> impl Iterator<Item = (usize, Real)> {
-        let entries = self.lower_half().filter(|(row, column, _)| row == column);
-        entries.map(|(row, _, value)| (row, value))
-    }
-
     /// Whether there is no entry.
     pub(crate) fn is_empty(&self) -> bool {
         self.values.is_empty()

@@ -118,9 +118,6 @@ impl QuasiNewton {
     /// more of them, if any, and a trust radius.
     pub(crate) fn begin(&mut self, in_contact: Option<&[Vec3]>) {
         self.radius = None;
-        if let Some(newton) = &mut self.newton {
-            newton.begin();
-        }
         self.first_radius = INITIAL_RADIUS_RATIO * in_contact.map_or(0.0, longest);
         self.memory.clear_for(match (self.requested, in_contact) {
             (0, _) => 0,
@@ -139,13 +136,13 @@ impl QuasiNewton {
         contact: &mut Contact<'_>,
     ) -> Result<Advance, ContactError> {
         self.linearize_contacts(objective, point, contact);
-        let mut done = Advance {
-            solves: match self.uses_newton_direction() {
-                true => self.find_newton_direction(objective, global, point),
-                false => self.find_direction(global, coarse, point),
-            },
-            ..Advance::default()
-        };
+        let mut done = Advance::default();
+        if self.uses_newton_direction() {
+            done.solves = 1;
+            done.linear_iterations = self.find_newton_direction(objective, point, contact);
+        } else {
+            done.solves = self.find_direction(global, coarse, point);
+        }
         self.decrement = match self.slope < 0.0 {
             true => -self.slope,
             false => Real::INFINITY, // the pairs mislead
@@ -239,23 +236,26 @@ impl QuasiNewton {
         self.requested > 0 && system.is_some_and(|system| !system.rows.is_empty())
     }
 
-    /// `direction` by [`TruncatedNewton`]; pairs do not go with it. Returns the number of global solves.
+    /// `direction` by [`TruncatedNewton`]; pairs do not go with it. Returns the number of iterations of conjugate
+    /// gradients.
     fn find_newton_direction(
         &mut self,
-        objective: &mut Objective,
-        global: &mut GlobalSystem,
+        objective: &Objective,
         point: &Point,
+        contact: &Contact<'_>,
     ) -> u32 {
         self.memory.clear();
-        let count = point.positions.len();
         let newton = self
             .newton
-            .get_or_insert_with(|| TruncatedNewton::new(count));
-        let contacts = self.contact_system.as_ref().expect("contacts are active");
-        let out = &mut self.direction;
-        let solves = newton.find(objective, global, contacts, point, out);
+            .get_or_insert_with(|| TruncatedNewton::new(objective));
+        let iterations = newton.find(objective, contact, point, &mut self.direction);
         self.slope = dot(&point.gradient, &self.direction);
-        solves
+        iterations
+    }
+
+    /// The pattern of the Hessian, or what can move, has changed.
+    pub(crate) fn forget_hessian(&mut self) {
+        self.newton = None;
     }
 
     /// Linearises the contacts at the point.
@@ -421,8 +421,10 @@ impl QuasiNewton {
 pub(crate) struct Advance {
     /// Step lengths tried in vain.
     pub(crate) backtracks: u32,
-    /// Global solves.
+    /// Linear systems solved: with the constant matrix, or for a direction of Newton's method; the iterations of the
+    /// latter.
     pub(crate) solves: u32,
+    pub(crate) linear_iterations: u32,
     /// Whether no lower point was found: the point is where it was.
     pub(crate) is_stuck: bool,
 }

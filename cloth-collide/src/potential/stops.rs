@@ -31,8 +31,8 @@ const ROUNDING: Real = 1e-6;
 /// Rounds of detection, and sweeps in each.
 const ROUNDS: u32 = 20;
 const SWEEPS: u32 = 20;
-/// Distance that a body goes between two moments of a step at which it is tested, over its smallest extent; and the most
-/// moments.
+/// Distance that a body goes between two moments of a step at which it is tested, over its smallest extent; and the
+/// most moments.
 const SAMPLE_SPACING: Real = 0.25;
 const MOST_SAMPLES: Real = 64.0;
 /// Parts of a triangle that are asked for the distance of their middles, at most, and steps down from the best.

@@ -2,19 +2,15 @@
 //! Newton method.
 
 use super::drift::Unconstrained;
-use super::global_terms::GlobalTerms;
 use super::line_search::Point;
 use super::stage::Stage;
-use super::truncated_newton::{CG_TOLERANCE, MAX_CG_ITERATIONS, Operator};
 use cloth_core::contact::{ContactPotential, ContactRow};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::contact_hessian::ContactHessian;
 use cloth_core::method::family::{Assembly, Energies};
 use cloth_core::method::limited_memory::LimitedMemory;
-use cloth_core::method::linear::TruncatedConjugateGradients;
-use cloth_core::method::multigrid::Multigrid;
 use cloth_core::method::vectors::dot;
-use std::sync::Arc;
 
 /// Iterations at the start of a step that take the matrix anew each, with predicted forces.
 const PREDICTED_FORCE_ITERATIONS: u32 = 4;
@@ -24,9 +20,10 @@ const REFRESH_INTERVAL: u32 = 8;
 /// directions are those of the truncated Newton method.
 const SHORTENED_BELOW: Real = 0.25;
 const MAX_SHORTENED_STEPS: u32 = 5;
-/// Largest stiffness of a contact, over the largest diagonal block of the cloth: beyond, a cycle in single precision
-/// would not stay positive definite.
-const MAX_CONTACT_STIFFNESS_RATIO: Real = 1e4;
+/// Residual, in the norm of the cycle and relative to the first, at which conjugate gradients end.
+const CG_TOLERANCE: Real = 0.1;
+/// Most iterations of conjugate gradients.
+const MAX_CG_ITERATIONS: u32 = 30;
 /// Pairs that are kept.
 const HISTORY: usize = 5;
 
@@ -34,18 +31,10 @@ const HISTORY: usize = 5;
 #[derive(Debug)]
 pub(super) struct QuasiNewton {
     assembly: Assembly,
-    matrix: BlockMatrix,
-    is_free: Vec<bool>,
+    hessian: ContactHessian,
     unconstrained: Unconstrained,
-    multigrid: Option<Multigrid>,
     history: LimitedMemory<f32>,
-    /// Contacts, and those at the last matrix between vertices.
     rows: Vec<ContactRow>,
-    contact_pairs: Vec<ContactRow>,
-    /// The latter, none stiffer than a cycle can take.
-    for_cycle: Vec<ContactRow>,
-    global: GlobalTerms,
-    truncated_newton: TruncatedConjugateGradients,
     work: Vec<Vec3>,
     /// Steps in this minimisation that were shortened.
     shortened_steps: u32,
@@ -60,19 +49,13 @@ impl QuasiNewton {
     pub(super) fn new(energies: &Energies, is_free: Vec<bool>) -> Self {
         let assembly = energies.lumped_assembly();
         Self {
-            matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
             history: LimitedMemory::new(is_free.len(), HISTORY),
             rows: Vec::new(),
-            contact_pairs: Vec::new(),
-            for_cycle: Vec::new(),
-            global: GlobalTerms::default(),
-            truncated_newton: TruncatedConjugateGradients::default(),
             work: vec![Vec3::zeros(); is_free.len()],
-            multigrid: None,
             shortened_steps: 0,
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
+            hessian: ContactHessian::new(assembly.pattern(), is_free),
             assembly,
-            is_free,
             iterations: 0,
             age: 0,
             slope: 0.0,
@@ -82,9 +65,7 @@ impl QuasiNewton {
     pub(super) fn begin(&mut self) {
         self.history.clear();
         (self.iterations, self.age, self.shortened_steps) = (0, 0, 0);
-        self.contact_pairs.clear();
-        self.for_cycle.clear();
-        self.global.clear();
+        self.hessian.clear_contacts();
     }
 
     /// Takes the matrix anew at `current` if it is time. `before` is the iterate before, or the start of the step (m).
@@ -103,25 +84,11 @@ impl QuasiNewton {
         }
         let to = if is_start { before } else { x };
         let mixed = is_mixed.then_some([before, to]);
-        stage.lumped_hessian_into(&self.assembly, x, mixed, &mut self.matrix);
-        if let Some(contact) = stage.contact {
-            let stiffest = MAX_CONTACT_STIFFNESS_RATIO * self.largest_diagonal();
-            self.add_contact(contact, x);
-            self.for_cycle.clone_from(&self.contact_pairs);
-            for row in &mut self.for_cycle {
-                row.stiffness = row.stiffness.min(stiffest);
-            }
-        }
-        let multigrid = self.multigrid.get_or_insert_with(|| {
-            let rest = stage.potential.particles.rest_positions().unwrap_or(before);
-            Multigrid::new(&self.matrix, &self.is_free, rest)
-        });
-        // A matrix that the coarsest level refuses still makes a descent direction of the others.
-        let _ = multigrid.refresh_with(&self.matrix, &self.for_cycle);
-        if let Some(contact) = stage.contact {
-            let prior = |r: &[Vec3], z: &mut [Vec3]| multigrid.apply(r, z);
-            self.global.refresh(contact, x, &self.is_free, prior);
-        }
+        let matrix = self.hessian.matrix_mut();
+        stage.lumped_hessian_into(&self.assembly, x, mixed, matrix);
+        let rest = stage.potential.particles.rest_positions();
+        let contact = stage.contact;
+        self.hessian.refresh(contact, x, rest.unwrap_or(before));
         if is_mixed {
             self.history.clear();
         }
@@ -129,43 +96,14 @@ impl QuasiNewton {
         true
     }
 
-    /// The largest norm of a diagonal block of what can move (N/m).
-    fn largest_diagonal(&self) -> Real {
-        let blocks = self.matrix.blocks();
-        let diagonal = |v: usize| blocks[self.matrix.pattern().row(v).end - 1].norm();
-        let free = (0..self.is_free.len()).filter(|&v| self.is_free[v]);
-        free.map(diagonal).fold(0.0, Real::max)
-    }
-
-    /// Takes the second derivative of contact at `x` (m): that of single vertices, held by bodies, into the matrix,
-    /// that of pairs beside it.
-    fn add_contact(&mut self, contact: &dyn ContactPotential, x: &[Vec3]) {
-        self.rows.clear();
-        contact.linearize(x, &mut self.rows);
-        let pattern = Arc::clone(self.matrix.shared_pattern());
-        let blocks = self.matrix.blocks_mut();
-        self.contact_pairs.clear();
-        for row in &self.rows {
-            if row.weights.iter().filter(|w| **w != 0.0).count() > 1 {
-                self.contact_pairs.push(*row);
-                continue;
-            }
-            let across = row.normal * row.normal.transpose() * row.stiffness;
-            for (&vertex, weight) in row.vertices.iter().zip(row.weights) {
-                let diagonal = pattern.row(vertex as usize).end - 1;
-                blocks[diagonal] += across * (weight * weight);
-            }
-        }
-    }
-
     /// Whether contacts were active where the matrix was taken last.
     pub(super) fn has_active_contacts(&self) -> bool {
-        !self.rows.is_empty()
+        self.hessian.has_contacts()
     }
 
     /// The matrix (N/m) that was taken last.
     pub(super) fn matrix(&self) -> &BlockMatrix {
-        &self.matrix
+        self.hessian.matrix()
     }
 
     /// Whether contact shortens the steps so often that directions of L-BFGS lead nowhere.
@@ -178,27 +116,13 @@ impl QuasiNewton {
     pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, Real, u32) {
         self.iterations += 1;
         self.age += 1;
-        let is_often_shortened = self.is_often_shortened();
-        let (multigrid, global) = (&mut self.multigrid, &self.global);
-        let inverse = |r: &[Vec3], z: &mut [Vec3]| {
-            if let Some(multigrid) = multigrid {
-                multigrid.apply(r, z);
-                global.correct(z);
-            }
-        };
-        if is_often_shortened {
-            let operator = Operator {
-                matrix: &self.matrix,
-                contact_pairs: &self.contact_pairs,
-                global,
-                is_free: &self.is_free,
-            };
-            let method = &mut self.truncated_newton;
+        if self.is_often_shortened() {
             let end = (CG_TOLERANCE, MAX_CG_ITERATIONS);
-            let multiply = |p: &[Vec3], out: &mut [Vec3]| operator.apply(p, out);
-            let (left, iterations) = method.solve(end, multiply, inverse, gradient, out);
+            let (left, iterations) = self.hessian.solve(end, gradient, out);
             return (dot(gradient, out), left, iterations);
         }
+        let hessian = &mut self.hessian;
+        let inverse = |r: &[Vec3], z: &mut [Vec3]| hessian.precondition(r, z);
         let (history, work) = (&mut self.history, &mut self.work);
         self.slope = history.direction(gradient, work, out, inverse);
         (self.slope, 0.0, 1)
@@ -207,7 +131,8 @@ impl QuasiNewton {
     /// Records a step that contact, the trust radius or the line search has shortened to `fraction` of its direction. A
     /// volume that is kept shortens steps by itself, and a better direction does not help there.
     pub(super) fn record_shortening(&mut self, fraction: Real) {
-        self.shortened_steps += u32::from(fraction < SHORTENED_BELOW && self.global.is_empty());
+        self.shortened_steps +=
+            u32::from(fraction < SHORTENED_BELOW && !self.hessian.has_global_terms());
     }
 
     /// Keeps the pair (s, y) of a step of `length` along the last direction (m) from one gradient (N) to another.
@@ -226,7 +151,7 @@ impl QuasiNewton {
     /// Records a step that is no multiple of its direction: drops the pairs, whose secants it has left.
     pub(super) fn drop_pairs(&mut self) {
         self.history.clear();
-        self.shortened_steps += u32::from(self.global.is_empty());
+        self.shortened_steps += u32::from(!self.hessian.has_global_terms());
     }
 
     /// Restores the momentum of unconstrained components at an evaluated point.

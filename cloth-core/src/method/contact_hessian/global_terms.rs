@@ -4,8 +4,8 @@
 //! With an inverse P of the rest, `(P⁻¹ + k g gᵀ)⁻¹ r = P r − z (g·P r)/(1/k + g·z)`, where `z = P g` (Sherman,
 //! Morrison 1950, <https://doi.org/10.1214/aoms/1177729893>). Of several terms each takes those before it for the rest.
 
-use cloth_core::contact::{ContactPotential, GlobalRows};
-use cloth_core::math::{Real, Vec3};
+use crate::contact::{ContactPotential, GlobalRows};
+use crate::math::{Real, Vec3};
 
 /// The terms, with `z` of each.
 #[derive(Debug, Default)]
