@@ -92,13 +92,11 @@
 //! Gravity and load are constant in a step and stand in x̂, so E is elastic only. Forces without a potential get one
 //! for the duration of a step. Drag α is linear in `v = (x − x_b)/τ`, so it changes x̂ and s, and nothing else. Damping
 //! that grows with the stiffness adds a third term, `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ` held at
-//! `x_b + τ v_b`, where uniform motion leads (`implicit/damper.rs`); friction takes its normal force from the start of
-//! the step.
+//! `x_b + τ v_b`, where uniform motion leads (`implicit/damper.rs`); friction has the normal force of the start.
 //!
 //! The minimisation can be cut short: one Newton step from `x[0]` without a line search is the implicit step of Baraff
 //! and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their (6)
-//! times M, `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`, with ∂f/∂v = 0: damping and drag come in by s and the
-//! third term.
+//! times M, `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`, with ∂f/∂v = 0: damping and drag come in otherwise.
 //!
 //! **The Hessian of a spring** decides how hard that is. With its unit vector `n = (x₀ − x₁)/l` and its length l,
 //! `∂l/∂x₀ = n` and `∂n/∂x₀ = (I − n nᵀ)/l`. So `E = ½ k (l − L)²` has
@@ -185,7 +183,7 @@
 //! | `x_b`, `x̂`, s, start | predicted positions | `Implicit::predict` and `advance` in `implicit.rs` |
 //! | `G`, `∇G`, `M/s² + H`, `(M/s² + H) p` | with damping and contact | `Stage` in `implicit/stage.rs` |
 //! | `p = −B⁻¹∇G`, B from pairs `(sᵢ, yᵢ)` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
-//! | `A p = −∇G`, nearly | truncated Newton, in hard contact | `implicit/truncated_newton.rs` |
+//! | `A p = −∇G`, nearly | truncated Newton, in hard contact | [`cloth_core::method::contact_hessian`] |
 //! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
 //! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
@@ -322,12 +320,11 @@
 //!   its diagonal block; a contact between several vertices is an addition of rank one to the matrix of the multigrid
 //!   cycle, and comes and goes without a new pattern.
 //! - *Enclosed volume.* What couples all vertices of a component
-//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is an addition of rank one around the whole cycle
-//!   (Sherman–Morrison, `implicit/global_terms.rs`).
+//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is a term of rank one around the whole cycle.
 //! - *Truncated Newton.* Where five steps of a minimisation have been cut to less than a quarter of their directions,
 //!   the error that one cycle leaves is enough to run into the next contact. From there on directions come from
 //!   conjugate gradients around the cycle, to a tenth of the residual, on a Hessian taken anew
-//!   (`implicit/truncated_newton.rs`).
+//!   ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)).
 //! - *Vertex by vertex.* One step length for all lets a single nearly closed pair stop the whole cloth. Where less than
 //!   a hundredth of a direction is free, each vertex follows it as far as it alone can, if that leads down. Nothing
 //!   crosses by that: all vertices of a pair that would come too near are cut to the same part of their paths, and what
@@ -453,8 +450,7 @@
 //! - Springs with slack change their stiffness from nothing to all at the end of it; the quasi-Newton method then often
 //!   gets stuck, and Newton's method takes over: compare the rows `tension` and `slack` of the example `materials` with
 //!   that of the same k, D and Δt.
-//! - *Locking*: stiff springs on all E edges leave 3V − E motions free, too few to fold across diagonals, by any
-//!   integrator.
+//! - *Locking*: stiff springs on all E edges leave 3V − E motions free, too few to fold across diagonals.
 //! - Isotropic materials only: warp, weft and shear have no moduli of their own. (Springs made by hand may each have a
 //!   k; C above says what sheet they are.)
 //!
@@ -515,12 +511,12 @@
 //!
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
-//!   2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`) takes 21 ms a
-//!   step on one thread by converged implicit Euler and 3.6 ms by projective dynamics with 10 iterations, for the same
-//!   fall (0.499 m) and stretch (1.2 %). Between them is [`ImplicitConfig::truncated`]. For springs that method is
-//!   "Fast simulation of mass-spring systems" (Liu et al. 2013): as `½ k (l − L)² = min ½ k ‖x₀ − x₁ − d‖²` over ‖d‖ =
-//!   L, the d are unknowns beside x; the local step is `d = L n`, the global step solves a constant matrix, and neither
-//!   raises G. It factorises again only for another Δt, k, mass or set of pins.
+//!   2-core AMD EPYC Zen 4, commit 6d27035, `cloth-bench study convergence`) takes 21 ms a step by converged implicit
+//!   Euler and 3.6 by projective dynamics with 10 iterations, for the same fall and stretch. Between them is
+//!   [`ImplicitConfig::truncated`]. For springs that method is "Fast simulation of mass-spring systems" (Liu et al.
+//!   2013): as `½ k (l − L)² = min ½ k ‖x₀ − x₁ − d‖²` over ‖d‖ = L, the d are unknowns beside x; the local step is
+//!   `d = L n`, the global step solves a constant matrix, and neither raises G. It factorises again only for another
+//!   Δt, k, mass or set of pins.
 //! - **Inextensible cloth.** Rigid links are constraints: take XPBD with zero compliance.
 //! - **Beside XPBD and IPC.** XPBD stops after its sweeps, whether they have converged or not. IPC (Li et al. 2020,
 //!   <https://doi.org/10.1145/3386569.3392425>) minimises such a G, with a barrier for contact, by Newton's method with
@@ -529,18 +525,16 @@
 //! It is at its best where the solution has to be right: references, statics, measured materials.
 //!
 //! # Files in reading order
-//! 1. `examples/first_program.rs`: the naive method. `examples/three_integrators.rs`, `examples/materials.rs`: what it
-//!    does.
+//! 1. `examples/first_program.rs`: the naive method. `examples/three_integrators.rs`, `examples/materials.rs`.
 //! 2. `explicit.rs`: forward and symplectic Euler; `damping.rs`: forces against the motion; `stability.rs`: the largest
 //!    stable step; `explicit/monitor.rs`: energy balance.
-//! 3. `implicit.rs`: a step as a minimisation; `config.rs`: its settings; `implicit/stage.rs`: `G`, its gradient and
-//!    norms.
+//! 3. `implicit.rs`: a step as a minimisation; `config.rs`: its settings; `implicit/stage.rs`: `G`, its gradient.
 //! 4. `implicit/newton.rs` with `system.rs` (the matrix, kept positive definite) and `line_search.rs`.
 //! 5. `implicit/minimizer.rs` and `quasi_newton.rs`, around
-//!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `truncated_newton.rs`: its
-//!    directions in hard contact; `progress.rs`: when Newton's method takes over.
+//!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `progress.rs`: when Newton's
+//!    method takes over.
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
-//!    `minimizer/linearized_step.rs`, `drift.rs`, `global_terms.rs` (volumes).
+//!    `minimizer/linearized_step.rs`, `drift.rs`.
 //!
 //! A new integrator: see `implicit.rs`. Most claims of this page are tests in `tests/chapter`
 //! (`cargo test --release -p cloth-massspring --features cholesky --test chapter`), those on contact in

@@ -235,8 +235,7 @@
 //! not this rate. For large N a decade takes ln 10 (2N/π)² = 0.93 N² Gauss–Seidel sweeps, 1.47 N with Chebyshev on
 //! Jacobi, 0.73 N with the best ω. A test holds Gauss–Seidel against this law. For sheets nothing is proved, but
 //! [measured](#acceleration), coloured; in the order given it was not measured for PBD on sheets (the study there has
-//! it for XPBD). One elimination would solve such a system exactly: not offered here, see the direct solver of
-//! `cloth-xpbd`.
+//! it for XPBD). One elimination would solve such a system exactly: not offered here, see `cloth-xpbd`.
 //!
 //! # How many substeps, how many iterations
 //! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses,
@@ -504,7 +503,7 @@
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
-//! 2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`):
+//! 2-core AMD EPYC Zen 4, commit 6d27035, `cloth-bench study convergence`):
 //!
 //! | method | ms per step | fall of the centre of mass | largest stretch |
 //! |---|---|---|---|

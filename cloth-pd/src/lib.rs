@@ -84,8 +84,8 @@
 //! p is unique and continuous in z where z ≠ 0 (spring, curved hinge) and where F has rank 2 (triangle). Elsewhere it
 //! jumps, unless the least length is 0, and any of the nearest p will do: E itself is continuous, and the bound from
 //! above, `G(x⁺) ≤ Q(x⁺)` of `objective.rs`, holds for each of them. `local.rs` has why U clamp(Σ) Vᵀ is nearest, and
-//! the singular values in closed form, with degenerate and inverted triangles. The bᵢ (1/m) are the gradients of the
-//! linear hat functions at rest.
+//! the singular values in closed form, with degenerate and inverted triangles. The bᵢ (1/m) are gradients of hat
+//! functions at rest.
 //!
 //! With the edge x₀ x₁, the tips x₂ and x₃, and the angles at rest θ₀, θ₁ of the first triangle and θ₂, θ₃ of the other
 //! at x₀ and x₁, a hinge has `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, so that
@@ -122,8 +122,8 @@
 //! falls too slowly. Three accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
-//!   spectral radius ρ of the plain iteration. We keep `G` in view: where it would not fall, the plain iterate is taken
-//!   and the weights begin anew.
+//!   spectral radius ρ of the plain iteration. We keep `G` in view: where it would not fall, the plain iterate is
+//!   taken.
 //! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the initial inverse Hessian of `G`, the last few differences of
 //!   iterates and gradients (pairs s, y) improve it (L-BFGS), a line search with Armijo's condition enforces descent.
 //!   If a direction fails, a plain iteration is taken.
@@ -136,9 +136,9 @@
 //!   `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`. A reduces the
 //!   rough part of the error, the grid the smooth part.
 //!
-//! Not offered: Anderson acceleration (Peng et al. 2018), which combines the last iterates as pairs do, with a
-//! safeguard in the place of the line search; and Jacobi's method or conjugate gradients in the place of the factor,
-//! which one would want on a GPU, where triangular solves wait, and where the factor does not fit into the memory.
+//! Not offered: Anderson acceleration (Peng et al. 2018), which combines the last iterates as pairs do; and Jacobi's
+//! method or conjugate gradients in the place of the factor, which one would want on a GPU, where triangular solves
+//! wait, and where the factor does not fit into the memory.
 //!
 //! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add less
 //! than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the
@@ -274,17 +274,16 @@
 //! hundredth of the thickness, and stays there: friction has a potential, and never exceeds μ λ, with the λ of the
 //! start, which the step does not update: Coulomb's cone holds for that λ, not for the one at the end. In a step with
 //! contact, plain and Chebyshev iterations are replaced by quasi-Newton iterations without pairs, because an
-//! extrapolated displacement cannot be bounded. `contact.rs` has the order of an iteration, with the detection, and
-//! another way (Ly et al. 2020).
+//! extrapolated displacement cannot be bounded. `contact.rs` has the order of an iteration, and another way (Ly et al.
+//! 2020).
 //!
 //! - **Directions are those of a truncated Newton method** (`newton.rs`). A is as stiff across a spring as along it,
 //!   which is how cloth moves on what it touches: so few iterations with A, pairs or not, leave forces out of balance.
 //!   With active contacts the direction solves `(H + Σ k J Jᵀ) d = −∇G`, H the Hessian of inertia and elements at the
 //!   iterate, J the derivative of a distance by the vertices and k the second derivative of its energy
-//!   ([`ContactRow`](cloth_core::contact::ContactRow)), by conjugate gradients that the factor of A and the 3 × 3
-//!   blocks on the diagonal precondition; the volume of a closed component
-//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one contact constraint on all its vertices, is among
-//!   them. The constant matrix stays; H is only multiplied with.
+//!   ([`ContactRow`](cloth_core::contact::ContactRow)), by conjugate gradients around a multigrid cycle for that
+//!   matrix; the volume of a closed component ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is among the
+//!   contacts. The constant matrix waits until nothing touches.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
 //!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
@@ -294,11 +293,12 @@
 //!   (`quasi_newton.rs`). Without it, a handkerchief on the corner of a table (`cloth-bench/scenes/handkerchief.toml`)
 //!   gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J that it was given, and a step took seven times as
 //!   long; with it, nothing beyond those (commit 9374ec2).
-//! - **A step goes on until it is near enough**, as it does without contact: for 8 iterations, unless forces balance to
-//!   10⁻³ before, and until what the iteration still has to move is a tenth of what forces have moved
-//!   ([`PdConfig::velocity_tolerance`]), or up to [`PdConfig::most_iterations`]. A ribbon that folds down on itself
-//!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a towel without friction
-//!   slides off its rail. If the end is above `G` at the start of the step all the same, it is taken again from there.
+//! - **A step goes on until it is near enough**, as it does without contact: until forces balance to 10⁻³, or what the
+//!   iteration still has to move is a tenth of what forces have moved ([`PdConfig::velocity_tolerance`]; a hundredth
+//!   within the first 16 directions, which mostly suffice for that), or up to [`PdConfig::most_iterations`]. A ribbon
+//!   that folds down on itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a
+//!   towel without friction slides off its rail. If it ends above `G` at the start all the same, it is taken again from
+//!   there.
 //!
 //! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps. A
 //! towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.014 to 0.019 J with implicit Euler,
@@ -423,8 +423,7 @@
 //!   iterations have `½ Δt (v − v₀)ᵀ D (v − v₀)` in G, plain and Chebyshev iterations without contact take its force at
 //!   the start of the step ([`cloth_core::air`]).
 //! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon reached and says
-//!   little: plain, truncated there, the sheet above floats. Check the fall beside the stretch before choosing a number
-//!   of iterations.
+//!   little: plain, truncated there, the sheet above floats. Check the fall beside the stretch first.
 //! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Ten (with a coarse
 //!   grid of 12 cells, as `cloth-bench` takes it; the builder lays none by itself) follow the first half second of the
 //!   hanging sheet closely; over five seconds its swinging dies away sooner than it should, and a sheet of 0.3 m, light
@@ -446,8 +445,7 @@
 //!   same largest stretch to 1 % (32 a side). But a motion with too little energy is at another point of its swing, so
 //!   that a setting may be right at the last step and 36 % off on average; and rounding alone moves the last step: with
 //!   10 cells, three orders of adding up the springs had −28, −0.5 and −0.2 %.
-//! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after
-//!   half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
+//! - A chain of 20 links, swinging, has fallen 3 % too little after five seconds by 6 iterations, 0.2 % by 8.
 //! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])` where no pin or body
 //!   moves: one that ends above is taken again, which the hanging sheet never needs. In energies, V the elastic one and
 //!   that of gravity: `V(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ V(x[0]) + ½ ‖v[0]‖²_M`, so a tangle cannot store more than the
@@ -462,8 +460,7 @@
 //!   that. Where `G` has several (compressed cloth), which of them depends on the path.
 //! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing
 //!   holds starts with the right momentum, and every direction keeps it. The start at `x[0]` gains it with the first
-//!   full step. Angular momentum is not: implicit Euler does not conserve it, and an iteration cut short less so
-//!   (`components.rs` has both).
+//!   full step. Angular momentum is not: implicit Euler does not conserve it (`components.rs` has both).
 //! - Only energies of the form above. Springs, stitches, hinges flat or curved at rest or on midpoints,
 //!   as-rigid-as-possible triangles, strain limits and attachments have it; an energy with a varying stiffness does
 //!   not. The hyperelastic energies of Liu et al. (2017), with a w that shapes A alone, are not offered.
@@ -471,8 +468,7 @@
 //! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
 //! - A matrix in which elimination cancels all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m`
-//!   above some 10¹²) is reported as [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite), and not
-//!   used.
+//!   above some 10¹²) is [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite).
 //! - The residual compares with `‖∇G(x̃)‖`, in contact with `‖∇C(x)‖` if that is larger. Where that is rounding alone,
 //!   as for a cloth in free fall, no tolerance is met and all iterations are spent, without harm.
 //!

@@ -13,6 +13,7 @@
 //! | | why | instead |
 //! |---|---|---|
 //! | bending left out of A (quasi-Newton) | A is not the Hessian of Q | line search |
+//! | drag of the air (quasi-Newton) | A lacks D/Δt | line search |
 //! | pairs, coarse grid | the direction is not −A⁻¹g | line search |
 //! | extrapolation (Chebyshev) | x⁺ is not the minimum of Q | `G` is compared |
 //! | contact, friction | C is no squared distance, and stiffens without bound as a gap closes | contact constraints in the solve, line search |

@@ -23,9 +23,9 @@
 //! the radius has cut doubles it.
 //!
 //! *Where it fails.* A direction that ascends, or twelve lengths in vain: the pairs are cleared, and −A⁻¹∇G is taken,
-//! without the coarse grid. With the whole matrix and no contact it lowers G by proof (`objective.rs`) and is not
-//! searched; with bending left out it is searched if G rises. In contact it always is; if that fails the step ends
-//! where it is, with [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent).
+//! without the coarse grid. With the whole matrix, no contact and no air it lowers G by proof (`objective.rs`) and is
+//! not searched; with bending left out, or the drag of the air, it is searched if G rises. In contact it always is; if
+//! that fails the step ends where it is, with [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent).
 //!
 //! *A wrong weight* is in A alone: value and gradient stay those of the material. Ten times too small, a plain
 //! iteration diverges and the search shortens steps to a tenth; ten times too large, it keeps 0.9 of an error. (For
@@ -178,7 +178,7 @@ impl QuasiNewton {
         let rise = self.next.value - point.value;
         let is_higher = rise.is_nan() || rise > ROUNDING * point.size.max(self.next.size);
         let mut length = 1.0;
-        if is_higher && !global.is_whole() {
+        if is_higher && (!global.is_whole() || objective.is_dragged()) {
             length = self
                 .backtrack(objective, point, 1.0, contact, &mut done)
                 .length;

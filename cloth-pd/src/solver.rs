@@ -68,7 +68,7 @@ const MIN_ITERATIONS_IN_CONTACT: u32 = 30;
 /// more cost little. The tolerance is relative to all forces, and those that friction or a body holds hide what slides:
 /// with all of it from the start a towel slid 4.6 % less far from its rail, with this 0.9 %.
 const EARLY_NEWTON_ITERATIONS: u32 = 16;
-const EARLY_TOLERANCE_FACTOR: Real = 0.1;
+const EARLY_TOLERANCE_FACTOR: Real = 0.03;
 /// Factor on the tolerance without active contacts. Ten iterations a step leave a light, stiff sheet (0.3 m, 0.1
 /// kg/m², 4.8·10⁴ N/m, steps of 1/120 s) at half of its fall, with all of the tolerance it falls 0.6 to 1 times as far
 /// as it should, with this 0.9 to 1.1 times.

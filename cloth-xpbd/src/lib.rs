@@ -344,8 +344,7 @@
 //! **Restitution.** With `PotentialBuilder::restitution(e)`, e from 0 to 1, `change_velocities` gives every pair that
 //! approached with the velocity u along n and has touched the velocity e u, by the impulse `(e u − s)/ŵ` along n, s its
 //! separation velocity before that (Müller et al. 2020, section 3.6). An approach of less than r/1000 in a substep is
-//! rest. It cannot be beside a `free` body. Unless e is set, contact gives back what ψ has stored, less what the
-//! substeps damp.
+//! rest. It cannot be beside a `free` body. Unless e is set, contact gives back what ψ has stored.
 //!
 //! **Bodies**, all of `PotentialBuilder`, each with its own μ: `obstacle` is a rigid one of a signed distance, still or
 //! with the velocities of its `RigidMotion`; `animated` a mesh whose vertices follow given shapes (`AnimatedMesh`); and
@@ -384,13 +383,12 @@
 //! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle) are inequality constraints: C is the length or
 //! singular value less the nearest allowed one, and λ keeps its sign. With finite k a limit yields by f/k under a force
 //! f; with `k = ∞` it is hard. Like every constraint it is met as far as the sweeps have converged: add its family
-//! last, and use more substeps. A limit that holds after every step is a projection after it: `WithStrainLimit` of
-//! `cloth-pbd`.
+//! last, and use more substeps. A limit that holds after every step is a projection after it (`cloth-pbd`).
 //!
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or substeps,
-//!   negative or non-finite damping, relaxation outside (0, 2), …), or the element and the vertex that does not exist
-//!   or that it names twice.
+//!   negative or non-finite damping, relaxation outside (0, 2), …), or the element and the vertex that is missing or
+//!   named twice.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, or if gravity, loads, positions or
 //!   velocities are not finite (the first such vertex is named), and if its *result* is not finite, as with a stiffness
 //!   that is NaN; with contact also by [`StepError::Contact`], above. In all cases the state is what it was before the
@@ -484,8 +482,11 @@
 //!   ten links (0.1 m, 0.1 kg) converged sweeps leave these fractions of `G(x̃) − G*` (`cloth-bench study xpbd-floor`);
 //!   the direct solver leaves no more than rounding does:
 //!
-//!   | Δt (s) | k = 200 N/m | k = 10⁴ N/m | |---|---|---| | 1/60 | 9.9e-4 | 1.4e-4 | | 1/240 | 2.7e-5 | 7.0e-6 | |
-//!   1/960 | 1.4e-7 | 1.4e-7 |
+//!   | Δt (s) | k = 200 N/m | k = 10⁴ N/m |
+//!   |---|---|---|
+//!   | 1/60 | 9.9e-4 | 1.4e-4 |
+//!   | 1/240 | 2.7e-5 | 7.0e-6 |
+//!   | 1/960 | 1.4e-7 | 1.4e-7 |
 //!
 //! - For the same reason forces read from λ miss the balance at rest by an amount of order h² where links turn from x̃
 //!   to x within a substep, as those of a rope between two pins do; in a straight chain they are exact. `direct.rs`,
@@ -512,7 +513,7 @@
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
-//! 2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`):
+//! 2-core AMD EPYC Zen 4, commit 6d27035, `cloth-bench study convergence`):
 //!
 //! | method | ms per step | largest stretch at the end |
 //! |---|---|---|
@@ -522,18 +523,15 @@
 //! | implicit Euler, converged | 21 | 1.2 % |
 //!
 //! - **Fine and stiff cloth**: the substeps for a wanted strain grow with the number of vertices a side or a little
-//!   faster, so the cost grows with its cube or more. At 64 a side other methods are already cheaper for the same
-//!   strain.
-//! - **A wanted error**: no number of iterations brings it to the implicit Euler step. Take implicit Euler, or the
-//!   direct solver.
+//!   faster, so the cost grows with its cube or more. At 64 a side others are cheaper for the same strain.
+//! - **A wanted error**: no number of iterations brings it to the implicit Euler step. Take implicit Euler.
 //! - **Motion with little numerical damping**: take BDF2, or the implicit midpoint rule where the step resolves the
 //!   springs (both of `cloth-massspring`); substeps only lower the damping here.
 //! - **Mass ratios far from 1** along chains: the direct solver.
 //! - **Energies that are not `½ k C²`** with constant k in a few rows, as cubic shells. (Stable neo-Hookean solids can
 //!   be written as two rows: Macklin and Müller 2021.) Triangles are isotropic; springs may differ by direction.
 //!
-//! It is at its best with few or small constraints, hard constraints beside soft ones, limits and contact, and where
-//! some strain may be seen.
+//! It is at its best with few constraints, hard ones beside soft ones, limits, and where some strain may be seen.
 //!
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the same step in plain loops.

@@ -9,7 +9,7 @@ use cloth_core::step::StepReport;
 const BALANCE_TOLERANCE: Real = 1e-8;
 /// The same over the tolerance of the velocities, in a step that goes on until these are near enough. As H is at least
 /// M/Δt², they are off by no more than this in the norm of M.
-const BALANCED_VELOCITIES: Real = 0.01;
+const BALANCED_VELOCITIES: Real = 1e-4;
 /// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
 const NEGLIGIBLE_SPEED: Real = 1e-6;
 
