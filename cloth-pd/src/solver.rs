@@ -365,7 +365,8 @@ impl PdSolver {
             let decrease = std::mem::replace(oldest, self.point.value) - self.point.value;
             if has_no_fixed_count && self.config.tolerance.is_none() {
                 let (least, fraction) = match (is_driven, self.has_contact()) {
-                    (true, _) => (MIN_ITERATIONS_IN_CONTACT, MOVING_PIN_TOLERANCE_FACTOR),
+                    (true, true) => (MIN_ITERATIONS_IN_CONTACT, MOVING_PIN_TOLERANCE_FACTOR),
+                    (true, false) => (MIN_ITERATIONS, MOVING_PIN_TOLERANCE_FACTOR),
                     (false, true) => (MIN_ITERATIONS_IN_CONTACT, 1.0),
                     (false, false) => (MIN_ITERATIONS, NO_CONTACT_TOLERANCE_FACTOR),
                 };
