@@ -192,6 +192,17 @@ impl Air {
         }
     }
 
+    /// Begins another substep at positions `x` (m) and velocities `v` (m/s), as long as the one that has ended, with the
+    /// D of that: its forces at the end go on linearly.
+    ///
+    /// # Panics
+    /// If there are fewer vertices than in the mesh.
+    pub fn continue_linearly(&mut self, x: &[Vec3], v: &[Vec3]) {
+        self.positions.copy_from_slice(x);
+        self.velocities.copy_from_slice(v);
+        self.projection.restart();
+    }
+
     /// Force on each vertex (N): at the start of the substep, or in all of it once that has ended.
     #[must_use]
     pub fn forces(&self) -> &[Vec3] {

@@ -29,6 +29,11 @@ impl Projection {
         self.multipliers.resize(drag.len(), Vec3::zeros());
     }
 
+    /// Another substep with the same matrices.
+    pub(super) fn restart(&mut self) {
+        self.multipliers.fill(Vec3::zeros());
+    }
+
     /// `starts` are x₀ (m) and v₀ (m/s).
     pub(super) fn sweep<'a>(
         &mut self,

@@ -6,6 +6,10 @@ use crate::math::{Real, Vec3};
 use crate::particles::{Particles, State, first_non_finite};
 use crate::step::{Outcome, StepError, StepInput, StepReport};
 
+/// Most times in a step that the forces of the air are linearised; in the substeps between they go on linearly with the
+/// velocities. A flag that takes 619 substeps in a wind of 8 m/s moves by 4e-4 more in four steps, in half the time.
+const MAX_AIR_LINEARIZATIONS: Real = 64.0;
+
 /// A working copy of the state, and the four stages of a step.
 ///
 /// In the order of a step: [`begin`](Self::begin); for each substep [`predict`](Self::predict), any number of
@@ -27,6 +31,8 @@ pub struct Motion {
     start: Vec<Vec3>,
     /// The substep (s).
     substep: Real,
+    /// Time (s) since the forces of the air were linearised.
+    since_air_linearized: Real,
     /// Whether a prescribed vertex moves in this step.
     pins_move: bool,
     /// Work (J) of prescribed vertices since `begin`.
@@ -49,6 +55,7 @@ impl Motion {
             predicted: zeros(),
             start: Vec::new(),
             substep: 0.0,
+            since_air_linearized: Real::INFINITY,
             pins_move: false,
             pin_work: 0.0,
             iterations: 0,
@@ -105,6 +112,7 @@ impl Motion {
         if let Some(air) = &mut input.air {
             air.restart();
         }
+        self.since_air_linearized = Real::INFINITY;
         let step = ContactStep {
             from: &state.positions,
             inverse_mass: &self.inverse_mass,
@@ -127,8 +135,14 @@ impl Motion {
             self.start.clone_from(&self.positions);
         }
         if let Some(air) = &mut input.air {
-            air.linearize(&self.positions, &self.velocities);
-            air.begin_projection(&self.inverse_mass, h);
+            self.since_air_linearized += h;
+            if self.since_air_linearized * MAX_AIR_LINEARIZATIONS >= input.dt * (1.0 - 1e-9) {
+                self.since_air_linearized = 0.0;
+                air.linearize(&self.positions, &self.velocities);
+                air.begin_projection(&self.inverse_mass, h);
+            } else {
+                air.continue_linearly(&self.positions, &self.velocities);
+            }
         }
         for vertex in 0..self.vertex_count() {
             let a = input.external_acceleration(vertex, self.inverse_mass[vertex]);
