@@ -192,8 +192,8 @@ impl Air {
         }
     }
 
-    /// Begins another substep at positions `x` (m) and velocities `v` (m/s), as long as the one that has ended, with the
-    /// D of that: its forces at the end go on linearly.
+    /// Begins another substep at positions `x` (m) and velocities `v` (m/s), as long as the one that has ended, with
+    /// the D of that: its forces at the end go on linearly.
     ///
     /// # Panics
     /// If there are fewer vertices than in the mesh.

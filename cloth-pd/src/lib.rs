@@ -293,11 +293,11 @@
 //!   (`quasi_newton.rs`). Without it, a handkerchief on the corner of a table (`cloth-bench/scenes/handkerchief.toml`)
 //!   gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J that it was given, and a step took seven times as
 //!   long; with it, nothing beyond those (commit 9374ec2).
-//! - **A step goes on until it is near enough**, as it does without contact: until forces balance to 10⁻³, or what the
-//!   iteration still has to move is a tenth of what forces have moved ([`PdConfig::velocity_tolerance`]; a hundredth
-//!   within the first 16 directions, which mostly suffice for that), or up to [`PdConfig::most_iterations`]. A ribbon
-//!   that folds down on itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a
-//!   towel without friction slides off its rail. If it ends above `G` at the start all the same, it is taken again from
+//! - **A step goes on until it is near enough**, as it does without contact: until forces balance to 10⁻⁵, or what the
+//!   iteration still has to move is 0.3 of [`PdConfig::velocity_tolerance`] of what forces have moved (a tenth of that
+//!   within the first 16 directions, which mostly suffice), or up to [`PdConfig::most_iterations`]. A ribbon that folds
+//!   down on itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a towel
+//!   without friction slides off its rail. If it ends above `G` at the start all the same, it is taken again from
 //!   there.
 //!
 //! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps. A
