@@ -25,16 +25,16 @@ pub struct PdConfig {
     /// | moving pins, pushed bodies, forces in contact | active contacts | ε | iterations, at least |
     /// |---|---|---|---|
     /// | no | no | τ/2 | 10 |
-    /// | no | yes | τ | 8 |
-    /// | yes | no | 0.3 τ | 30 |
-    /// | yes | yes | 0.3 τ | 20 |
+    /// | no | yes | 0.3 τ, in the first 16 a tenth of it | 5 |
+    /// | yes | no | 0.3 τ | 20 |
+    /// | yes | yes | 0.3 τ, in the first 16 a tenth of it | 5 |
     ///
     /// Without pairs they are 30 in contact. It is an estimate, weaker than a bound on the gradient: A is too stiff
     /// where cloth bends, so B, and this, come out too small. In a step of a falling sheet of 16 × 16 vertices the
     /// change of velocity was off by 2 to 7 τ with a coarse grid, by 5 to 25 τ without, from τ = 0.1 to 10⁻⁴
     /// (`cloth-massspring`: by 3 τ at most on its sheet). With active contacts a step ends, too, once
-    /// `‖∇G(x)‖ ≤ τ/100 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹, which bounds the error of the velocities by τ/100. 0 asks
-    /// for all `most_iterations`.
+    /// `‖∇G(x)‖ ≤ 10⁻⁴ τ ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹, which bounds the error of the velocities by 10⁻⁴ τ. 0
+    /// asks for all `most_iterations`.
     pub velocity_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ
     /// dimensionless; C is the potential of contact, if there is any), and the report has that ratio as its residual.

@@ -72,7 +72,7 @@ const MIN_ITERATIONS_IN_CONTACT: u32 = 30;
 const CONTACT_TOLERANCE_FACTOR: Real = 0.3;
 /// So many directions of Newton's method have to get to this fraction of the tolerance: where they converge fast, a few
 /// more cost little. The tolerance is relative to all forces, and those that friction or a body holds hide what slides:
-/// with all of it from the start a towel slid 4.6 % less far from its rail, with this 0.9 %.
+/// with all of it from the start a towel slid 4.6 % less far from its rail, with this 0.2 %.
 const EARLY_NEWTON_ITERATIONS: u32 = 16;
 const EARLY_TOLERANCE_FACTOR: Real = 0.1;
 /// Factor on the tolerance without active contacts. Ten iterations a step leave a light, stiff sheet (0.3 m, 0.1
