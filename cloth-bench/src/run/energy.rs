@@ -100,13 +100,13 @@ pub(super) struct BodyEnergy {
 impl BodyEnergy {
     /// As they move after the last step.
     pub(super) fn of(scene: &Scene, contacts: Option<&PotentialContacts>) -> Self {
-        let mut sum = Self::default();
+        let mut sum = Self {
+            kinetic: contacts.map_or(0.0, PotentialContacts::free_kinetic_energy),
+            gravitational: 0.0,
+        };
         let bodies = scene.touch.iter().flat_map(|touch| touch.free_bodies());
         let motions = contacts.iter().flat_map(|contacts| contacts.free_motions());
         for ((_, body), (_, motion)) in bodies.zip(motions) {
-            let turning = motion.pose.orientation.inverse() * motion.angular_velocity;
-            let linear = body.mass() * motion.velocity.norm_squared();
-            sum.kinetic += 0.5 * (linear + turning.dot(&(body.inertia() * turning)));
             sum.gravitational -= body.mass() * scene.gravity.dot(&motion.pose.position);
         }
         sum

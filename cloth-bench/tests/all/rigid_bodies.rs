@@ -2,7 +2,7 @@
 
 use crate::scene_text::{scene, written};
 use cloth_bench::method::Method;
-use cloth_bench::run::{Moment, Plan, Solver, run_changing, to_rest};
+use cloth_bench::run::{Moment, Plan, Solver, Summary, run_changing, to_rest};
 use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_collide::obstacle::RigidMotion;
@@ -15,7 +15,7 @@ pub(crate) fn watch(
     settings: &[&str],
     steps: u32,
     see: impl FnMut(&Moment<'_>),
-) {
+) -> Summary {
     let settings = Settings::parse(settings).unwrap();
     let method = Method::find(method).unwrap();
     let mut solver = Solver::new(method, &settings, scene, scene.dt).unwrap();
@@ -29,7 +29,8 @@ pub(crate) fn watch(
         see(moment);
         Ok(())
     };
-    run_changing(scene, &mut solver, &mut state, plan, see).unwrap();
+    let (summary, _) = run_changing(scene, &mut solver, &mut state, plan, see).unwrap();
+    summary
 }
 
 /// The first obstacle, as it is after a step.
@@ -200,7 +201,9 @@ fn net_throws_a_ball_back() {
     }
 }
 
-/// A stiffer one, which the ball meets off its middle: what a step leaves undone is the speed of the ball.
+/// A stiffer one, which the ball meets off its middle: what a step leaves undone is the speed of the ball. Nothing has
+/// energy that it was not given: with the momentum alone for the speed of the ball it had 0.2 J of 14 too much, since
+/// each push comes after the step that it is of.
 #[test]
 fn trampoline_throws_a_ball_no_higher_than_it_fell() {
     let text = "[[mesh]]\ngenerator = \"disk:16\"\nscale = 2\n[cloth]\ndensity = 0.5\nstiffness = 15000\n\
@@ -209,9 +212,10 @@ fn trampoline_throws_a_ball_no_higher_than_it_fell() {
     let scene = scene("trampoline_ball", text);
     let rebound = |method: &str, settings: &[&str]| {
         let mut heights = Vec::new();
-        watch(&scene, method, settings, 60, |moment| {
+        let summary = watch(&scene, method, settings, 60, |moment| {
             heights.push(body(moment).pose.position.z);
         });
+        assert_eq!(summary.energy_excess, 0.0, "{method} {settings:?}");
         let lowest = heights.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
         let turn = lowest.map_or(0, |(turn, _)| turn);
         heights[turn..].iter().copied().fold(f64::MIN, f64::max)

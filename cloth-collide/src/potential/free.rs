@@ -2,6 +2,7 @@
 //! [chapter](super#bodies-that-the-cloth-pushes).
 
 use super::source::Contacts;
+use super::PotentialContacts;
 use crate::obstacle::{Obstacle, Pose, RigidBody, RigidMotion};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
@@ -106,6 +107,51 @@ impl FreeBodies {
         for (free, before) in self.list.iter_mut().zip(&self.before) {
             free.momenta = *before;
         }
+    }
+}
+
+impl PotentialContacts {
+    /// Where the bodies that the cloth pushes are after the last step, with the velocities that their momenta give
+    /// them, by the numbers of their obstacles.
+    pub fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
+        let Contacts { bodies, free, .. } = &self.contacts;
+        free.list.iter().map(|free| {
+            let pose = bodies[free.number].0.motion().pose;
+            (free.number, free.body.motion(pose, free.momenta, 0.0))
+        })
+    }
+
+    /// Kinetic energy (J) of the bodies that the cloth pushes, where they are: ½ v·p, with the velocity v on the way there
+    /// and the momentum p on the way from there, and the same of the rotation. Bodies move before the cloth pushes them,
+    /// which is symplectic Euler: half a push is on either side of where they are, and so a harmonic spring keeps its
+    /// energy to rounding in this measure (Hairer, Lubich, Wanner 2006, *Geometric Numerical Integration*, I.1 and IX.3).
+    #[must_use]
+    pub fn free_kinetic_energy(&self) -> Real {
+        let Contacts { bodies, free, .. } = &self.contacts;
+        let energy = |free: &FreeBody| {
+            let motion = bodies[free.number].0.motion();
+            let [linear, angular] = free.momenta;
+            0.5 * (motion.velocity.dot(&linear) + motion.angular_velocity.dot(&angular))
+        };
+        free.list.iter().map(energy).sum()
+    }
+
+    /// Work (J) in the last step that bodies which the cloth pushes did on it, a part of
+    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and prescribed vertices
+    /// which stop those did on them.
+    #[must_use]
+    pub fn free_work(&self) -> [Real; 2] {
+        self.contacts.free.work
+    }
+
+    /// By how far (m) the cloth has pushed a body off the path on which it has moved in the last step, of a method that
+    /// minimises: the body moves before the cloth, and takes up its push after it. Where that is more than the
+    /// thickness, the cloth has felt a body that is not where it would be, and the step is better taken back
+    /// ([`PotentialContacts::take_back`]) and taken again as shorter ones. 0 of methods that project positions.
+    #[must_use]
+    pub fn largest_push(&self) -> Real {
+        let pushed = self.contacts.free.list.iter().map(|free| free.pushed);
+        pushed.fold(0.0, Real::max)
     }
 }
 

@@ -9,7 +9,7 @@ use super::near::Near;
 use super::report::ConstraintReport;
 use super::sewn::Sewn;
 use super::source::Contacts;
-use crate::obstacle::{AnimatedMesh, Pose, RigidMotion};
+use crate::obstacle::{AnimatedMesh, Pose};
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
 };
@@ -274,34 +274,6 @@ impl PotentialContacts {
         let cloth = contacts.near.cloth;
         let are_needed = !contacts.free.list.is_empty();
         contacts.ledger = (are_wanted || are_needed).then(|| Ledger::new(all, cloth, bodies));
-    }
-
-    /// Where the bodies that the cloth pushes are after the last step, with the velocities that their momenta give
-    /// them, by the numbers of their obstacles.
-    pub fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
-        let Contacts { bodies, free, .. } = &self.contacts;
-        free.list.iter().map(|free| {
-            let pose = bodies[free.number].0.motion().pose;
-            (free.number, free.body.motion(pose, free.momenta, 0.0))
-        })
-    }
-
-    /// Work (J) in the last step that bodies which the cloth pushes did on it, a part of
-    /// [`ContactSource::work`](cloth_core::contact::ContactSource::work), and that other bodies and prescribed vertices
-    /// which stop those did on them.
-    #[must_use]
-    pub fn free_work(&self) -> [Real; 2] {
-        self.contacts.free.work
-    }
-
-    /// By how far (m) the cloth has pushed a body off the path on which it has moved in the last step, of a method that
-    /// minimises: the body moves before the cloth, and takes up its push after it. Where that is more than the
-    /// thickness, the cloth has felt a body that is not where it would be, and the step is better taken back
-    /// ([`PotentialContacts::take_back`]) and taken again as shorter ones. 0 of methods that project positions.
-    #[must_use]
-    pub fn largest_push(&self) -> Real {
-        let pushed = self.contacts.free.list.iter().map(|free| free.pushed);
-        pushed.fold(0.0, Real::max)
     }
 
     /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies and
