@@ -140,21 +140,7 @@ fn substeps(
         iterations,
     };
     let particles = &scene.model.particles;
-    let own = rule.substeps(particles, &scene.gauges()?, dt);
-    Ok((Real::from(own) * loaded(scene)).ceil() as u32)
-}
-
-/// By which factor bodies that the cloth carries need more substeps. The sweeps that a load needs grow with the ratio
-/// of its mass to that of what carries it: with the square root of the ratio alone, the scene `ball-in-net` keeps 3 %
-/// of stretch, three times what its equilibrium has, and 2 % of energy from nowhere.
-fn loaded(scene: &Scene) -> Real {
-    if !scene.can_carry() {
-        return 1.0;
-    }
-    let bodies = scene.touch.iter().flat_map(|touch| touch.free_bodies());
-    let load: Real = bodies.map(|(_, body)| body.mass()).sum();
-    let own: Real = scene.model.particles.mass().iter().sum();
-    1.0 + load / own
+    Ok(rule.substeps(particles, &scene.gauges()?, dt))
 }
 
 pub(super) fn pbd(settings: &Settings, substeps: u32) -> Result<PbdConfig, BenchError> {

@@ -7,7 +7,7 @@ use cloth_core::mesh::TriMesh;
 
 impl Scene {
     /// The largest tension (N/m) that lasts: by what is inside of closed pieces, where the cloth starts, or by forces,
-    /// wind and masses beside its own, as far as they are more than its own weight.
+    /// wind, masses beside its own and bodies that come to hang in it, as far as they are more than its own weight.
     ///
     /// A force F goes through the edges at the vertices on which it acts, and through those at the vertices that are
     /// held. If the fewer of them are n, and edges are l long, that is `F/(n l)`.
@@ -46,7 +46,10 @@ impl Scene {
             .as_ref()
             .map(|air| (free, air.largest_pressure() * area));
         let (mut force, mut along) = (0.0, 0.0);
-        for (vertices, newtons) in pushes.chain(weights).chain(wind) {
+        let bodies = self.touch.iter().flat_map(|touch| touch.free_bodies());
+        let bodies = bodies.filter(|_| self.can_carry());
+        let bodies = bodies.map(|(_, body)| (free, body.mass() * gravity));
+        for (vertices, newtons) in pushes.chain(weights).chain(bodies).chain(wind) {
             force += newtons;
             along += newtons / held.min(vertices as Real);
         }
@@ -65,7 +68,7 @@ impl Scene {
 
     /// Whether bodies can hang in the cloth: not if nothing holds it, and nothing is below but floors, on which they
     /// come to lie.
-    pub(crate) fn can_carry(&self) -> bool {
+    fn can_carry(&self) -> bool {
         let touch = self.touch.iter();
         let mut stands = touch.flat_map(|touch| touch.standing_obstacles());
         self.model.particles.free_count() < self.model.particles.len()

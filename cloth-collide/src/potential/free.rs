@@ -1,8 +1,8 @@
 //! Bodies that the cloth pushes: the impulses of contact on them, and what they make of these; see the
 //! [chapter](super#bodies-that-the-cloth-pushes).
 
-use super::source::Contacts;
 use super::PotentialContacts;
+use super::source::Contacts;
 use crate::obstacle::{Obstacle, Pose, RigidBody, RigidMotion};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
