@@ -267,7 +267,13 @@ fn what_cannot_be_torn_is_said_with_the_reason() {
             "corner",
             "box = [[0, 0, -1], [0.2, 0.2, 1]]\n",
             6,
-            "would be left without a triangle",
+            "would be left without a triangle: a box may be no wider",
+        ),
+        (
+            "border",
+            "line = [[-1, 0.01, 0], [2, 0.01, 0]]\n",
+            6,
+            "would be left without a triangle: move the line",
         ),
     ] {
         refused(name, &format!("{tear}{more}"), line, words);

@@ -123,7 +123,7 @@ crate::settings! {
             "\"grab\" (the chosen vertices are held from now on, wherever they are; with a move or a turn they go \
              on), \"drag\" (those that are held move and turn from where they are), \"release\" (those that are \
              held, with the velocity they have) or \"tear\" (triangles vanish: those that a line crosses, or whose \
-             middle, at rest, is in a box, but none that would leave a vertex alone)";
+             middle, at rest, is in a box; refused if a vertex would be left without any)";
         line: Option<[Vec3; 2]> = "none" "m",
             "of a tear: its two ends, at rest; along edges it takes the triangles to its left";
     }

@@ -136,11 +136,14 @@ fn refuse_lonely(key: &Setting<()>, kept: &[[u32; 3]], mesh: &TriMesh) -> Result
     lonely.map_or(Ok(()), |vertex| {
         let x = mesh.positions()[*vertex as usize];
         let message = format!(
-            "the vertex at ({}, {}, {}) m would be left without a triangle: choose another {}",
+            "the vertex at ({}, {}, {}) m would be left without a triangle: {}",
             x.x,
             x.y,
             x.z,
-            key.name()
+            match key.name() {
+                "line" => "move the line by a row of triangles away from the border",
+                _ => "a box may be no wider than a row of triangles",
+            }
         );
         Err(key.refuse(message))
     })
