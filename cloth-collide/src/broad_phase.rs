@@ -17,12 +17,8 @@
 //! inside whose box its own lies. So each pair of primitives is met in one pair of triangles only, and one search
 //! serves both kinds. Pairs whose boxes overlap although a plane separates them are then left out.
 //!
-//! Memory: 48 bytes a box, 8 a pair of boxes; besides, 152 bytes a box for the tree, or 16 bytes for each cell that a
-//! box is in (32 in the hash, which sorts into a second list), one to eight for a box of typical size. The tree of n
-//! boxes (parry's `Bvh`) has a box a leaf, and n − 1 inner nodes. Each of these holds both of its children, 64 bytes
-//! each: 48 for a box, the rest for the number of the child, the leaves below it, and padding. With the number of its
-//! parent it has 136 bytes, and there are 16 for the place of each leaf. Triangles, two a vertex, so take 400 bytes a
-//! vertex for boxes and tree.
+//! Memory: 48 bytes a box and 8 a pair of boxes; besides, 152 bytes a box for the tree (parry's `Bvh`), or 16 bytes for
+//! each cell that a box is in (32 in the hash, which sorts into a second list), one to eight for a box of typical size.
 //!
 //! The tree is refitted in every search, in place, and built anew only for another number of boxes.
 //! [`potential`](crate::potential) has boxes around patches of at most 32 triangles instead, moved outwards by a mean

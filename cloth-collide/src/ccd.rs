@@ -91,7 +91,8 @@ use cloth_core::math::Real;
 ///   that has to stay below distance − d.
 /// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the
 ///   time is early by more than the slack asks for. Without slack and separation this has not been seen.
-/// - A contact during the motion is found. What lies on the wrong side already at the start is not known to be wrong.
+/// - A contact during the motion is found. A vertex that is on the wrong side of a sheet at the start, without touching
+///   it, is left there: the test compares distances, and knows no sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContinuousTest {
     separation: Real,

@@ -46,9 +46,10 @@
 //! motion of patches. A method takes them as an energy or as constraints: both rest at h − ρ g/κ on a body if ρ g ≤ κ
 //! h/2, and no number is tuned for one of them. Since a potential cannot tell the sides of a sheet apart, a *filter*
 //! tests every displacement over the whole of its path. An iteration that minimises and finds no safe path stays where
-//! it is; a substep that projects has to end somewhere, and its *last resort* is vertices that stay where the step
-//! began, which is reported (`truncated_count`). So a step is either free of crossings or refused:
-//! [`PotentialContacts`](potential::PotentialContacts) has what exactly is guaranteed.
+//! it is. A substep that projects has to end somewhere, and has a *last resort* of three stages: pairs are pushed apart
+//! one by one, then vertices that would still cross move as one rigid body, and at last vertices stay where the substep
+//! began. All of that is reported ([`ConstraintReport`](potential::ConstraintReport)). So a step is either free of
+//! crossings or refused: [`PotentialContacts`](potential::PotentialContacts) has what exactly is guaranteed.
 //!
 //! The naive loops are three examples, each compared with the crate: `examples/first_program.rs`, the vertices before a
 //! floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets; `examples/naive_sweep.rs`, sweeps over

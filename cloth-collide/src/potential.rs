@@ -23,10 +23,18 @@
 //! IPC's −(d − d̂)² ln(d/d̂) (Li et al. 2020) has no spring part: its stiffness at rest depends on the load, and κ is
 //! adapted. Here κ is a number of the scene, and the gap under a known weight is known.
 //!
-//! Before a body with concave edges ([`SignedDistance::each_part`]) E is the sum over all parts of its surface within
-//! h, triangles less edges plus vertices: ψ(φ) wherever one point is nearest, and the push of both sides of such an
-//! edge. By φ alone the gradient of E would jump there, just where cloth comes to rest, and no iteration on E would
-//! end. Methods that project take φ, and go from side to side within a sweep.
+//! Two parts of one sheet count like two sheets, as long as they share no vertex: also neighbours, such as the two
+//! corners that face each other across an edge. For two primitives of one connected component ψ begins at the distance
+//! that they have at rest, where that is less than h (of edges h/2). So a flat sheet at rest is not pressed by itself,
+//! even if h is longer than its edges.
+//!
+//! Before a body with a concave edge a vertex can have two nearest points, one on either side of the edge, and the
+//! gradient of ψ(φ) jumps where one takes over from the other. That is just where cloth comes to rest, and no iteration
+//! on E would end. So for bodies E is Σ ψ(d) over the triangles of the surface within h, less the same over its edges,
+//! plus the same over its vertices ([`SignedDistance::each_part`]). Where the surface is flat or convex all but one of
+//! the terms cancel, and ψ(φ) is left: above an edge, 2 ψ(φ) of the triangles beside it less ψ(φ) of the edge itself.
+//! In a concave edge both sides press, each with its own ψ, and the gradient is continuous
+//! (`obstacle/closed_mesh/concave_edges.rs`). Methods that project take φ, and go from side to side within a sweep.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ, for two edges times the [`Mollifier`] m. Without A ψ′ ∂²d, even Newton's iteration converges no faster than
@@ -42,14 +50,20 @@
 //! The pairs are not an active set. E is one function, the sum over all pairs, to which those beyond their range add
 //! nothing; the list of pairs holds at least those within range anywhere on the path. So a new detection changes which
 //! terms are evaluated and not their sum, and a line search meets one continuously differentiable energy. The set of
-//! terms of friction is fixed for the step. A path that is cut as a whole (`limit`) is still one of descent, one that
-//! is cut vertex by vertex (`limit_each`) need not be. The safe fraction of a path is 0 only where a fifth of the
-//! distance is lost in the rounding of positions, or a vertex is inside a body.
+//! terms of friction is fixed for the step.
 //!
-//! Whether the iteration around it ends is the method's to say: no number of detections is guaranteed. Those that
-//! minimise measure the Newton decrement against the change of velocity in the step, and end at their most iterations
-//! with a state that is free of crossings all the same, and with
-//! [`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent) and the decrement that is left
+//! With the gradient g and the direction p, a path that is cut as a whole (`limit`) to a fraction t is still one of
+//! descent: its slope is t g·p < 0. One that is cut vertex by vertex (`limit_each`) to fractions t_v has the slope
+//! Σ t_v g_v·p_v, which is positive if those vertices are cut that would have lowered the energy. So a method takes
+//! such a path only if its slope is negative and a line search along it finds a lower energy. Otherwise it cuts the
+//! whole path to one t. Unless t is 0, a line search then finds a lower energy, as far as rounding lets it tell; if
+//! not, the iteration ends where it is. The safe fraction of a path is 0 only where a fifth of the distance is lost in
+//! the rounding of positions, or a vertex is inside a body. Both calls end by themselves (`filter`).
+//!
+//! So the energy falls in each iteration. Whether it comes near enough to its minimum in a given number of them is the
+//! method's to say: no number of detections is guaranteed. Those that minimise measure the Newton decrement against the
+//! change of velocity in the step, and end at their most iterations with a state that is free of crossings all the
+//! same, and with [`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent) and the decrement that is left
 //! ([`residual`](cloth_core::step::StepReport::residual)) in the report.
 //!
 //! A step calls `begin`, in each iteration `add_gradient`, `linearize` and `limit` or `limit_each`, and `end`. `begin`
@@ -62,9 +76,10 @@
 //! their path.
 //!
 //! Friction has the normal forces λ and the directions of the start of the step (`friction`): a cloth that lands has
-//! none in the step in which it does. Its energy is μ λ f(u) of the displacement u in the tangent plane since then,
-//! f = u²/(2ε) below ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous. (Li et al.
-//! take a cubic, whose f″ is continuous too.)
+//! none in the step in which it does. Its energy is μ λ f(u) of the tangential displacement u, with f = u²/(2ε) below
+//! ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous. (Li et al. take a cubic, whose
+//! f″ is continuous too.) u is counted from where the contact began to stick: a step begins with the u at which the
+//! last one ended, cut to ε if it was longer.
 //!
 //! # From the naive loop to this one
 //!
@@ -75,8 +90,9 @@
 //!
 //! 1. Patches of triangles that are near each other are found by a broad phase, and stay known while no patch has gone
 //!    farther than that search allowed for (`patches`).
-//! 2. Pairs between two such patches are found once and sorted by d − h (of edges d − h/2). As long as the bound on the
-//!    relative motion of the patches is below the margin of that search, the list is complete, and those whose
+//! 2. Pairs between two such patches are found once and sorted by their *excess gap*, the distance d less the range at
+//!    which the pair begins to push (h; of edges h/2; the distance at rest where that is less). As long as the bound on
+//!    the relative motion of the patches is below the margin of that search, the list is complete, and those whose
 //!    excess gap is more than the bound are not evaluated.
 //! 3. Of the rest, a plane with a known normal decides for most that they are out of range (`near_pairs`,
 //!    `pair_constraint`).
@@ -86,9 +102,9 @@
 //! with all pairs on random paths, `tests/all/candidates.rs` the broad phases with brute force;
 //! `tests/all/potential_derivatives.rs` compares the Hessian of a pair with differences. `tests/all/potential.rs` has
 //! pᵀ H p by the rank-one Hessian terms for random p, which is never less than by the change of the gradient along p.
-//! `tests/all/guarantee` steps soups in free flight, and tests at six moments of each path that no triangles meet, and
-//! a twisted towel and sheets shot through each other, at the end of each step. That samples motions of the
-//! constraints; the argument is `ccd/reach.rs`.
+//! `tests/all/guarantee` steps loose triangles that are kicked at random, and tests at six moments of each path that
+//! none meet; of a twisted towel, and of sheets shot at each other, it tests the end of each step. That samples motions
+//! of the constraints; the proof is in `ccd/reach.rs`.
 //!
 //! # What is kept, and what is not
 //!
@@ -125,8 +141,10 @@
 //! edge) and (vertex of the body, triangle of the cloth) are treated as in the cloth itself, and push below h/2: not at
 //! all where the signed distance keeps the cloth farther away. A body that changes its shape, open or closed, has its
 //! triangles alone ([`PotentialBuilder::animated`]), and so has a rigid one without an inside
-//! ([`SurfaceOnly`](crate::obstacle::SurfaceOnly)): they keep the cloth on the side where it is, and press its vertices
-//! as a signed distance does, but twice above an edge. Cloth that is inside of such a body stays there.
+//! ([`SurfaceOnly`](crate::obstacle::SurfaceOnly)): they keep the cloth on the side where it is, and press each of its
+//! vertices with A ψ(d) for every triangle of the body within h. Above the middle of a triangle that is the pressure of
+//! a signed distance; above an edge it is twice as much, since the triangles on both sides of it count. Cloth that is
+//! inside of such a body stays there.
 //!
 //! | scene | what to build |
 //! |---|---|
@@ -138,9 +156,12 @@
 //! | a sheet that cannot reach itself | [`self_collision(false)`](PotentialBuilder::self_collision) |
 //! | pieces sewn together, or layers that may pass | [`sew`](PotentialBuilder::sew), [`exclude`](PotentialBuilder::exclude) |
 //!
-//! Whether a choice was too coarse is measured by what shares no code with contact:
-//! [`BodyProbe`](crate::BodyProbe) counts triangles of the cloth in a body, [`SeparationProbe`](crate::SeparationProbe)
-//! those in the cloth; and by what a step reports ([`ConstraintReport`]).
+//! Whether a choice was too coarse is measured after a step: [`BodyProbe`](crate::BodyProbe) counts triangles of the
+//! cloth in a body, [`SeparationProbe`](crate::SeparationProbe) those in the cloth. They look for triangles that meet
+//! at one moment, by the exact test. The detection, the constraints and the continuous test that keep the cloth apart
+//! have no part in that. What is shared are the lists of neighbours and of pairs that do not count, the distance of two
+//! primitives, and the check of the start of a step, which is the same test. What a step reports
+//! ([`ConstraintReport`]) tells too.
 //!
 //! Pairs of bodies, and of a body with prescribed cloth, are left out: a body that nothing pushes may pass through
 //! itself and others, and prescribed cloth may be inside of one. A triangle with a prescribed corner that crosses a
@@ -193,7 +214,7 @@
 //! | ‖f‖ ≤ μ λ of a constraint, in each sweep | `ConstraintState::project`, in `tangent` |
 //! | Σ w ψ(d) of a vertex before a body, and its derivatives | `ObstacleContact`, in `obstacle_contact` |
 //! | which pairs can be near on a path | `near_pairs`, `culled` |
-//! | bodies behind the cloth | `surfaces` |
+//! | surfaces of bodies, with vertices that are numbered after those of the cloth | `surfaces` |
 //! | P ← P + m g Δt + ∫f dt of bodies that the cloth pushes | `free` |
 //! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, where such a body meets what does not give way | `stops` |
 //! | C = n·Σ c_k x_k − d₀, α = 1/(A ψ″), λ ≥ 0 | `pair_constraint`, `constraints`, `bodies`, `tangent` |
@@ -215,10 +236,6 @@
 //! nearer than h or nearly so, and so is a safe path: one continuous test each, of at most
 //! [`MOST_STEPS`](crate::ContinuousTest::MOST_STEPS) steps, where a bound does not tell. A round of the last resort
 //! searches the whole cloth.
-//!
-//! Counted: to bound the motion takes 25 operations and 76 bytes a vertex of each patch (three positions and a number,
-//! in `measure`), and a vertex is in one to several patches. A pair in the list of two patches has 64 bytes, one chosen
-//! for a path 96, with its law, mollifier and plane.
 //!
 //! Timed: `cargo bench --bench response` holds a step of a folded sheet in which nothing comes nearer (`apart`:
 //! detection alone) beside one that presses it (`pressed`), `cargo bench --bench steps -- "in flight"` a whole step of

@@ -5,8 +5,9 @@ use super::cells::{Cell, Entry, Grid};
 use super::order::BucketSorter;
 use crate::bounds::Bounds;
 
-/// Uniform cells, about as large as a typical box, kept in a table by a hash of their place (Teschner et al. 2003,
-/// without their collisions: an entry remembers its cell). Filled anew each time, by counting, in linear time.
+/// Uniform cells, about as large as a typical box, kept in a table by a hash of their place (Teschner et al. 2003).
+/// Cells with the same hash share a slot of it. Unlike in the paper, each entry also stores its cell, so that boxes of
+/// two cells in one slot are told apart. Filled anew each time, by counting, in linear time.
 ///
 /// Limits: the cells have one size. Boxes in more than 64 cells are compared with all others; many boxes much smaller
 /// than the median crowd in one cell. Slow then, not wrong.

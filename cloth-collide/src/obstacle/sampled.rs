@@ -15,13 +15,13 @@ const FARTHEST: Real = 1.82;
 /// The signed distance of another shape, taken at the nodes of a regular grid once; in between it is a quadratic
 /// B-spline. A query costs 27 look-ups, however many triangles the shape has.
 ///
-/// Along an axis, t spacings from the nearest node, −½ ≤ t ≤ ½, that node and its two neighbours have the weights
-/// ½ (½ − t)², ¾ − t², ½ (½ + t)², and all weights have continuous derivatives: so has φ, which energies of contact
-/// need. The mean of the places of the nodes by the weights is the point, and the variance is ¼ of the spacing squared
-/// everywhere. So the spline of the samples themselves would be right where the distance is linear, and off by ⅛ of the
-/// spacing squared times its Laplacian elsewhere. That much, by second differences, is taken from the samples first:
-/// c = φ − ⅛ Σ (φ₋ − 2φ + φ₊) over the axes. The spline of c is right for quadratic functions, and off by the third
-/// power of the spacing where the surface is smooth.
+/// Along an axis, t spacings after the nearest node, −½ ≤ t ≤ ½, the node before it, it and the node after it have the
+/// weights ½ (½ − t)², ¾ − t², ½ (½ + t)², and all weights have continuous derivatives: so has φ, which energies of
+/// contact need. The mean of the places of the nodes by the weights is the point, and the variance is ¼ of the spacing
+/// squared everywhere. So the spline of the samples themselves would be right where the distance is linear, and off by
+/// ⅛ of the spacing squared times its Laplacian elsewhere. That much, by second differences, is taken from the samples
+/// first: c = φ − ⅛ Σ (φ₋ − 2φ + φ₊) over the axes. The spline of c is right for quadratic functions, and off by the
+/// third power of the spacing where the surface is smooth.
 ///
 /// **What is approximate.** Inside the grid, φ differs from the shape's own by at most [`SignedDistance::error_bound`],
 /// 1.82 spacings; in tests by up to a quarter of one, at edges, which come out rounded. The gradient is that of this φ,

@@ -52,9 +52,10 @@ const MOST_EVALUATIONS: u32 = 512;
 ///
 /// *Conservative advancement*: from the distance f = φ − h at one time, its rate ḟ and bounds on how fast it can
 /// change, follows a time until which there is no contact; that long the vertex is moved on, and asked again. With Λ of
-/// [`super::SignedDistance::lipschitz`], the relative velocity u of vertex and surface, and bounds over the rest of the
-/// path for its size, S = ‖v − v_p‖ + ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle, A = 2‖ω‖ ‖v −
-/// v_p‖ + ‖ω‖² max ‖x − p‖, the best of these counts:
+/// [`super::SignedDistance::lipschitz`], the obstacle's origin p, its velocity v_p there and its angular velocity ω,
+/// the relative velocity u of vertex and surface, and bounds over the rest of the path for its size, S = ‖v − v_p‖ +
+/// ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle, A = 2‖ω‖ ‖v − v_p‖ + ‖ω‖² max ‖x − p‖, the best of
+/// these counts:
 ///
 /// - f(t + s) ≥ f − Λ S s;
 /// - f(t + s) ≥ f − Λ (‖u‖ s + ½ A s²): each evaluation leaves 1 − cos (angle of impact) of the distance;

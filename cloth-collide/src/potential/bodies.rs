@@ -363,7 +363,7 @@ impl BodyConstraint {
         let h = substep.near.law_at(v).range();
         let (from, to) = (step.from[v], x[v]);
         if self.distance <= 0.0 {
-            // It has been inside before, and must not get deeper.
+            // It has been inside before, and must not end deeper than there and a hundredth of h.
             return body.signed_distance(to, step.dt).value >= self.distance - 1e-2 * h;
         }
         let kept = KEPT * self.distance.clamp(0.0, h);

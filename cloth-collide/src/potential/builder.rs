@@ -31,7 +31,7 @@ use cloth_core::step::BuildError;
 /// None of them depends on mesh, step, density or bending stiffness. Ten times κ is a tenth of the compression ρ g/κ,
 /// and ten times the stiffness of contact beside inertia, κ Δt²/ρ, which an iteration meets as a condition: 1400 by
 /// default at 0.2 kg/m² and 1/60 s. Ten times h is a gap ten times as wide, and more pressure than κ says once h is a
-/// tenth of an edge ([limits](super#limits)); a tenth of h are paths of 1 mm instead of 10 mm between two searches.
+/// tenth of an edge ([limits](super#limits)). With a tenth of h, a path is tested for 1 mm at a time instead of 10 mm.
 #[derive(Clone, Debug)]
 pub struct PotentialBuilder<'a> {
     mesh: &'a TriMesh,

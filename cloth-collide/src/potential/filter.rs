@@ -1,4 +1,13 @@
 //! How far a path is safe.
+//!
+//! For one fraction of all paths (`limit`) the pairs are tested once, and the least fraction counts. For a fraction of
+//! each (`limit_each`) a cut calls for others: a vertex that stays behind may now be in the way of one that does not,
+//! or be near pairs that were not chosen for the whole path. So it goes on in two loops, both of which end:
+//!
+//! 1. `NearPairs::shorten` cuts the vertices of the pairs that are not safe, tests the pairs around what it has cut,
+//!    and so on, 20 times. What is not safe then is cut by one fraction for all vertices, which is safe for every pair.
+//! 2. `Contacts::limit_each` (in `source`) chooses pairs anew for the paths that are left, and does 1 again if there
+//!    are other pairs, 10 times. After that it cuts all vertices alike.
 
 use super::near::Near;
 use super::near_pairs::{ChosenPair, NearPairs};
@@ -7,7 +16,8 @@ use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use crate::pair::Gap;
 use cloth_core::math::{Real, Vec3};
 
-/// The fraction of each distance, or of the thickness where that is less, that a path keeps.
+/// The fraction of each distance, or of the thickness where that is less, that a path keeps. A continuous test that is
+/// to keep more stops earlier; one that keeps less leaves the next iteration a stiffness A ψ″ that grows as 1/d².
 const KEPT: Real = 0.2;
 /// The continuous test may end when this fraction of what is above that is left.
 const EARLY: Real = 0.1;

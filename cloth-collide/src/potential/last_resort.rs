@@ -1,10 +1,24 @@
-//! The last resort, for the motion that sweeps have found where it is not free. Up to 40 times pairs are pushed apart
-//! one by one. Then, up to 20 times, vertices that get into a body are moved out of it, and those of pairs that go
-//! through each other become one rigid body (an impact zone), with their momentum and angular momentum, since inside a
-//! rigid body nothing can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be
-//! rigid, vertices stay where they were: in each round at least one more of the finitely many, or the step is refused,
-//! so the rounds end. Everything is tested again after each change, so a step is free or refused. A zone turns by at
-//! most 1 rad on its path; where its angular momentum says more, the velocities have it and the places do not.
+//! The last resort, for a motion that the sweeps have found and that is not safe. It has three stages, and tests
+//! everything again in each round of each:
+//!
+//! 1. *Pushes*, up to 40 rounds. Every pair that comes too near is pushed apart, one after the other.
+//! 2. *Impact zones*, up to 20 rounds. The vertices of pairs that still come too near become one rigid body, with their
+//!    momentum and angular momentum, since inside a rigid body nothing can meet; zones that meet are joined. Vertices
+//!    that get into a body are moved out of it, with their zones. A zone turns by at most 1 rad on its path; where its
+//!    angular momentum says more, the velocities have it and the places do not.
+//! 3. *Truncation.* Where prescribed vertices or bodies do not let zones be rigid, vertices stay where they were. Each
+//!    round stops at least one more of the finitely many, or the step is refused, so the rounds end.
+//!
+//! So a step is safe or refused, whatever the two numbers of rounds: they are limits on the cost, as each round
+//! searches the whole cloth. A push goes on from layer to layer by one a round, since the next pair is a hit only in
+//! the detection after it: 40 rounds go through a stack of about as many layers. Zones grow by the pairs that their
+//! rigid motion brings too near. Where they still do after 20 rounds, truncation takes over, which is sure to end.
+//!
+//! # Bodies
+//!
+//! A vertex that starts at the signed distance f > 0 of a body keeps f/10, or h/10 if that is less, but for a tolerance
+//! of h/100. One that starts inside may end deeper by h/100. So one that starts nearer than h/10 may end inside, by
+//! h/100 at most, and may sink by as much in each further substep that the last resort ends.
 //!
 //! Bridson et al. 2002 (see the [chapter](super#references)) take three stages after each step: repulsions, impulses,
 //! rigid impact zones (Provot 1997, see the [crate](crate#references)). Here the potential in the solve takes the place
@@ -81,8 +95,8 @@ impl Hit {
 
 impl LastResort {
     /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight paths from
-    /// `step.from` are free. Returns the number of vertices whose path was truncated for it: safe, but behind where
-    /// contact should let them go, and with less momentum.
+    /// `step.from` are safe. Returns the number of vertices whose path was truncated for it: they have not gone as far
+    /// as contact would let them, and have lost momentum.
     ///
     /// # Errors
     /// [`ContactError::Infeasible`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
@@ -206,7 +220,7 @@ impl LastResort {
         self.blocked.extend(entering);
     }
 
-    /// Finds what is not free on the path to `x` (m). Returns whether all is.
+    /// Finds what is not safe on the path to `x` (m). Returns whether all is.
     fn detect(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> Result<bool, ContactError> {
         let Substep { near, bodies, step } = substep;
         self.hits.clear();
@@ -242,9 +256,10 @@ impl LastResort {
     }
 }
 
-/// What moves a vertex (m) out of a body that it gets into on its path between two `ends` (m) in `dt` (s), or
-/// deeper into if it was there before, by more than a hundredth of the thickness: to the thickness from the tangent
-/// plane where they meet, moved on with the body.
+/// What moves a vertex (m) out of a body that it comes too near to on its path between two `ends` (m) in `dt` (s): to
+/// the thickness from the tangent plane where they meet, moved on with the body. None where it keeps a tenth of its
+/// distance (or of the thickness, if that is less), or its depth if it starts inside, up to a hundredth of the
+/// thickness.
 fn displacement_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Option<Vec3> {
     let start = body.signed_distance(ends[0], 0.0).value;
     let kept = if start > 0.0 {

@@ -51,7 +51,7 @@ pub(crate) struct Own {
     pub(super) full_thickness: bool,
 }
 
-/// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
+/// Areas and laws of the parts of a cloth and of the surfaces of bodies, and which vertices are not prescribed.
 #[derive(Debug)]
 pub(crate) struct Near {
     /// That with the largest range: what is farther apart than it does not touch.
@@ -282,7 +282,7 @@ impl Near {
         self.side(vertex).map(|side| side.body)
     }
 
-    /// The body of each vertex behind those of the cloth.
+    /// The body of each vertex that follows those of the cloth.
     pub(super) fn bodies(&self) -> impl Iterator<Item = usize> + '_ {
         self.surfaces.iter().map(|side| side.body)
     }

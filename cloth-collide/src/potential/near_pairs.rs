@@ -16,8 +16,7 @@ use crate::pair::{Gap, Pair};
 use cloth_core::math::{Real, Vec3, gather};
 
 /// Path (in thicknesses) that a vertex may go beyond the paths at hand, before pairs are chosen anew. More finds more
-/// pairs, and hardly any path holds for the next one all the same: the 64 x 64 sheet that falls on a ball of 30,000
-/// triangles takes 2.0, 1.2 and 1.8 times as long with 2, 0.5 and 1.0.
+/// pairs, and hardly any choice holds for the next path all the same.
 const MARGIN: Real = 0.1;
 /// A choice of n pairs costs as much as `AS_DEAR (n + MANY)` evaluations of one.
 const AS_DEAR: usize = 4;
@@ -151,8 +150,9 @@ impl NearPairs {
         self.activate([0.0, goes]);
     }
 
-    /// How far (m) a vertex of the first `count` is from where pairs were chosen, at most, relative to the mean
-    /// motion; or, if they are not all, as far as any of the others is at most, and with nothing taken off.
+    /// How far (m) a vertex is from where pairs were chosen, at most. If `count` is that of all vertices, the mean
+    /// motion is subtracted. If not, those beyond are of bodies that stay where they are: then nothing is subtracted,
+    /// and theirs is found once and kept.
     fn moved(&mut self, x: &[Vec3], count: usize) -> Real {
         if count == x.len() {
             return longest([&self.place, x]);

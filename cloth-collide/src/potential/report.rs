@@ -16,9 +16,10 @@ pub struct ConstraintReport {
     pub queries: u32,
     /// Constraints, over all substeps, of cloth and of bodies.
     pub constraints: u32,
-    /// Pairs that had not kept their distance at the end of a substep.
+    /// How often a pair had not kept its distance at the end of a substep, over all rounds and substeps.
     pub violated: u32,
-    /// Vertices whose path was shortened.
+    /// How often the path of a vertex was shortened. It counts anew in every round of every substep, and so can be more
+    /// than there are vertices.
     pub shortened: u32,
     /// Substeps that impact zones ended.
     pub zones: u32,

@@ -1,5 +1,5 @@
-//! The contact of a cloth with itself, and with bodies whose surfaces are triangles: prescribed vertices behind those
-//! of the cloth, in the same machinery. The [chapter](super#bodies) has why they are needed.
+//! The contact of a cloth with itself, and with bodies whose surfaces are triangles: prescribed vertices, numbered
+//! after those of the cloth, that are treated like these. The [chapter](super#bodies) has why they are needed.
 
 use super::bodies::Body;
 use super::builder::PotentialBuilder;
@@ -27,19 +27,28 @@ const NO_TIME: Real = 1e-12;
 ///
 /// After a step, no two triangles of the cloth meet, at its end and at no time on the paths there, nor do triangles of
 /// the cloth and of the [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the
-/// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex
-/// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
-/// [`ContactError::Infeasible`], or lets pinched cloth pass if it may; prescribed vertices of the cloth may be inside
-/// of bodies, and the triangles around them pass through a body that they cross at the start of a step
-/// ([`PotentialContacts::prescribed_inside`]). The start of a step must be free of crossings; it is if the last step
-/// ended there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and
-/// crossing ones are [`ContactError::IntersectingStart`]. Nothing is guaranteed of pairs that the builder was told
-/// to exclude or that are sewn together, of the cloth with itself without self-collision, and of pairs that cross at
-/// the start and are excluded until they are apart; nor of cloth that crosses a body then, before that body.
+/// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends.
+///
+/// Vertices of the surface that are not prescribed stay out of obstacles, but for h/100 in two cases. One that starts
+/// nearer than h/10 may end up to h/100 inside, where the last resort has ended the (sub)step. One that starts inside
+/// is led out, and may meanwhile sink by up to h/100 in each substep of the constraints.
+///
+/// What prescribed vertices or moving obstacles make impossible is [`ContactError::Infeasible`], or lets pinched cloth
+/// pass if it may. The start of a step must be free of crossings; it is if the last step ended there, and if anything
+/// else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are
+/// [`ContactError::IntersectingStart`]. Nothing is guaranteed of
+///
+/// - pairs that the builder was told to exclude, or that are sewn together;
+/// - the cloth with itself without self-collision;
+/// - pairs that cross at the start and are excluded until they are apart, as a
+///   [`StepUntangler`](crate::untangle::StepUntangler) does;
+/// - cloth that crosses a body at the start, or is pinched, before that body alone;
+/// - prescribed vertices of the cloth, which may be inside of bodies, and the triangles around them before a body that
+///   they cross at the start of a step ([`PotentialContacts::prescribed_inside`]).
 ///
 /// The path is that of the substep, or, of a method that minimises, the polyline of its start and accepted iterates.
 /// The straight line from the start of the step to its end is not tested. Convergence and the thickness are not
-/// guaranteed: only d > 0.
+/// guaranteed: of pairs of triangles only d > 0.
 ///
 /// # Example
 ///
@@ -299,12 +308,12 @@ impl PotentialContacts {
         self.contacts.is_anew = true;
     }
 
-    /// What the parts of the cloth, and of the surfaces of bodies behind it, stand for.
+    /// What the parts of the cloth, and of the surfaces of bodies, stand for.
     pub(crate) fn near(&self) -> &Near {
         &self.contacts.near
     }
 
-    /// The cloth, with the surfaces of bodies behind it; none if nothing of it can cross.
+    /// The cloth, followed by the surfaces of bodies; none if nothing of it can cross.
     pub(crate) fn mesh(&self) -> Option<&TriMesh> {
         self.contacts.last_resort.mesh.as_ref()
     }

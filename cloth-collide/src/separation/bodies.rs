@@ -7,7 +7,8 @@ use cloth_core::math::Vec3;
 use cloth_core::mesh::{MeshError, TriMesh, generate::join};
 
 /// Counts the pairs of a triangle of the cloth and one of a body's surface that have a point in common, by the exact
-/// test of [`triangles_meet`](crate::triangles_meet). It shares no code with what keeps them apart.
+/// test of [`triangles_meet`](crate::triangles_meet). What keeps them apart in a step (pairs of patches, constraints
+/// and the continuous test) has no part in it. The list of near triangles and this test also check the start of a step.
 ///
 /// ```
 /// use cloth_collide::BodyProbe;
@@ -27,7 +28,7 @@ use cloth_core::mesh::{MeshError, TriMesh, generate::join};
 /// ```
 #[derive(Debug)]
 pub struct BodyProbe {
-    /// Number of vertices of the cloth, with those of bodies behind them.
+    /// Number of vertices of the cloth; those of bodies follow.
     cloth: usize,
     pairs: TrianglePairs,
     places: Vec<Vec3>,

@@ -8,9 +8,8 @@ use cloth_core::topology::DisjointSets;
 
 /// Rings of neighbours around what crosses that belong to a region: where the contour may go in a step.
 const RINGS: u32 = 3;
-/// Iterations before each step. One is not enough where contact and elasticity push the other way: two crossing sheets
-/// that fall onto a ball become free after 9 to 11 steps with four (implicit Euler, projective dynamics, XPBD), 13 to
-/// 18 with three, 22 to 92 with two, and with one in 68 (XPBD) or never.
+/// Iterations before each step. One is not enough where contact and elasticity push the other way in the step itself:
+/// four take two crossing sheets that fall onto a ball apart in about ten steps, one may never do so.
 const ITERATIONS: u32 = 4;
 /// And one more for each step without fewer crossing pairs, up to this many: elasticity pulls back what is moved.
 const MORE_ITERATIONS: u32 = 16;
@@ -35,7 +34,7 @@ pub struct StepUntangler {
     /// Pairs of regions that cross, and pairs of a region and the body that it crosses.
     pairs: Vec<[u32; 2]>,
     passing: Vec<[u32; 2]>,
-    /// Places (m) of the cloth, with those of bodies behind them.
+    /// Places (m) of the cloth, followed by those of bodies.
     places: Vec<Vec3>,
     /// 1 for vertices that can move, 0 for others.
     is_free: Vec<Real>,

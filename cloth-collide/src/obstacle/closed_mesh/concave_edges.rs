@@ -53,8 +53,9 @@ pub(super) fn shares(mesh: &TriMesh) -> Vec<Real> {
 }
 
 impl ClosedMesh {
-    /// The sum above with half of an edge, and its part of a vertex, for each of the triangles around; what cancels
-    /// within one triangle is left out. The point (m) is outside.
+    /// The sum above, triangle by triangle: each counts itself once, minus one half of each of its edges, and 1/n of
+    /// each of its corners that has n triangles around it. Terms with the same nearest point are added up first, and
+    /// those whose weights add up to 0 are not visited. The point (m) is outside.
     pub(super) fn each_part_outside(
         &self,
         point: Vec3,
