@@ -51,6 +51,7 @@ impl XpbdSolver {
         if !self.start.is_empty() {
             let w = self.motion.inverse_mass();
             self.families.inspect(family, w, &self.start, |seen| {
+                let update = update.for_row(seen.is_limit);
                 out[seen.index] += update.offset(seen.row.stiffness, seen.row.value);
             });
         }
@@ -108,6 +109,7 @@ impl XpbdSolver {
         if !self.start.is_empty() {
             let w = self.motion.inverse_mass();
             self.families.inspect_prescribed(w, &self.start, |seen| {
+                let update = update.for_row(seen.is_limit);
                 let offset = update.offset(seen.row.stiffness, seen.row.value);
                 self.prescribed_offsets.push(offset);
             });

@@ -7,11 +7,13 @@
 //! stay in double precision, and of a substep's sweeps only the *change* is added to them.
 //!
 //! ```text
-//! v ← v + h g,  x̃ ← x + h v                    double
+//! v ← v + h f/m,  x̃ ← x + h v                  double; f: gravity and loads
 //! y ← x̃ − o, rounded; y₀ ← y                   o: the centre of the cloth
 //! n sweeps on y, λ                             single; the same equations as XpbdSolver
 //! x ← x̃ + (y − y₀),  v ← v + (x − x̃)/h         double
 //! ```
+//!
+//! The air and contact move x, in double precision, after every sweep; y is rounded anew from it then.
 //!
 //! Rounding then causes no drift, but noise in the strains: the sweeps see positions rounded to 6e-8 of the size of the
 //! cloth, which for a spring of length l in a cloth of size s is a strain of about `6e-8 s/l`. A sheet of 33 ×
@@ -165,14 +167,20 @@ impl Stepper for SingleXpbd {
             family.prepare(XpbdUpdate::new(h, 0.0), &origin);
         }
         for _ in 0..self.config.substeps {
-            self.motion.predict(&mut input, h)?; // v ← v + h g, x̃ ← x + h v
+            self.motion.predict(&mut input, h)?; // v ← v + h f/m, x̃ ← x + h v
+            let others_move = input.air.is_some() || input.contact_constraints().is_some();
             self.positions
                 .round(self.motion.positions(), self.motion.inverse_mass());
             for family in &mut self.families {
                 family.reset();
             }
             for iteration in 1..=self.config.iterations {
-                let shown = iteration == self.config.iterations || input.observer.is_some();
+                let is_last = iteration == self.config.iterations;
+                let shown = is_last || others_move || input.observer.is_some();
+                if others_move && iteration > 1 {
+                    self.positions
+                        .round(self.motion.positions(), self.motion.inverse_mass());
+                }
                 self.motion.iterate(&mut input, |_, x| {
                     for family in &mut self.families {
                         family.sweep(self.positions.as_mut_slice()); // Δλ of every row, y moved along

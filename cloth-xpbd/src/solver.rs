@@ -238,10 +238,10 @@ impl XpbdSolver {
             "number of positions"
         );
         let mut largest: Real = 0.0;
-        if let Some(update) = self.last {
+        if self.last.is_some() {
             self.families
                 .each_row(self.motion.inverse_mass(), positions, |row, memory| {
-                    if let Some(violation) = update.violation(row, memory.lambda()) {
+                    if let Some(violation) = memory.violation(row) {
                         largest = largest.max(violation.abs());
                     }
                 });

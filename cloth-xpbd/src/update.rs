@@ -74,6 +74,15 @@ impl XpbdUpdate {
         self.substep
     }
 
+    /// The same for one row. A damper would push where cloth comes back out of a limit within a substep, and limits
+    /// only pull: they are not damped.
+    pub(crate) fn for_row(self, is_limit: bool) -> Self {
+        match is_limit {
+            true => Self::new(self.substep, 0.0),
+            false => self,
+        }
+    }
+
     /// `λ/h²`, the generalised force (N for a spring), from λ.
     pub(crate) fn force(self, multiplier: Real) -> Real {
         // One by one, since h² may be too small for a number.
@@ -84,15 +93,6 @@ impl XpbdUpdate {
     #[cfg(feature = "direct")]
     pub(crate) fn impulse(self, multiplier: Real) -> Real {
         multiplier / self.substep
-    }
-
-    /// `C + α̃ν` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it: a row
-    /// without stiffness, or a hard row whose vertices are all prescribed.
-    pub(crate) fn violation(self, row: RowState, lambda: Real) -> Option<Real> {
-        let scaled_compliance = self.scaled_compliance(row.stiffness);
-        let movable = row.weight + scaled_compliance;
-        (movable > 0.0 && movable < Real::INFINITY)
-            .then_some(row.value + scaled_compliance * lambda)
     }
 }
 
@@ -110,6 +110,14 @@ pub(crate) struct Multiplier {
 }
 
 impl Multiplier {
+    /// `C + α̃ν` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it: a row
+    /// without stiffness, or a hard row whose vertices are all prescribed.
+    pub(crate) fn violation(&self, row: RowState) -> Option<Real> {
+        let movable = row.weight + self.scaled_compliance;
+        (movable > 0.0 && self.scaled_compliance < MAX_SCALED_COMPLIANCE)
+            .then_some(row.value + self.scaled_compliance * self.lambda)
+    }
+
     /// ν; exactly 0 without stiffness.
     pub(crate) fn lambda(&self) -> Real {
         if self.scaled_compliance < MAX_SCALED_COMPLIANCE {
@@ -137,6 +145,10 @@ impl ConstraintUpdate for XpbdUpdate {
                 .scaled_compliance(row.stiffness)
                 .min(MAX_SCALED_COMPLIANCE),
         };
+    }
+
+    fn prepare_limit(&self, row: RowState, memory: &mut Multiplier) {
+        self.for_row(true).prepare(row, memory);
     }
 
     #[inline]

@@ -102,7 +102,7 @@ impl Kkt {
                 let s = self.vertex_scale[self.vertices[e] as usize];
                 weight += (s * rows.gradient[e]).norm_squared();
             }
-            let scaled_compliance = update.scaled_compliance(rows.stiffness[r]);
+            let scaled_compliance = rows.scaled_compliance(r, update);
             let diagonal = weight + scaled_compliance;
             let (scale, normalized) = if weight > 0.0 && diagonal < Real::INFINITY {
                 (1.0 / diagonal.sqrt(), scaled_compliance / diagonal)

@@ -1,5 +1,6 @@
 //! All rows of all families in flat arrays: structure at build, numbers at every evaluation.
 
+use crate::update::XpbdUpdate;
 use cloth_core::element::{Constraint, Convexity, RowArray};
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
@@ -23,12 +24,20 @@ pub(super) struct Rows {
     pub(super) violation: Vec<Real>,
     /// `k` of each row.
     pub(super) stiffness: Vec<Real>,
+    /// Whether each row has a dead zone.
+    pub(super) is_limit: Vec<bool>,
 }
 
 impl Rows {
     /// Number of rows.
     pub(super) fn len(&self) -> usize {
         self.value.len()
+    }
+
+    /// α̃ of a row (unit of C² per kg m²).
+    pub(super) fn scaled_compliance(&self, row: usize, update: XpbdUpdate) -> Real {
+        let update = update.for_row(self.is_limit[row]);
+        update.scaled_compliance(self.stiffness[row])
     }
 
     /// Entries of a row.
@@ -107,7 +116,9 @@ impl<const N: usize, E: Constraint<N>> RowFamily for Family<N, E> {
             rows.offsets.push(0);
         }
         for element in &self.elements {
+            let is_limit = element.dead_zone_rows(&[Vec3::zeros(); N]).is_some();
             for _ in 0..E::Rows::LEN {
+                rows.is_limit.push(is_limit);
                 rows.vertices.extend(element.vertices());
                 rows.offsets.push(rows.vertices.len() as u32);
             }

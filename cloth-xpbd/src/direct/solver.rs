@@ -253,9 +253,9 @@ impl DirectXpbd {
         self.start_value.fill(0.0);
         if self.config.damping > 0.0 {
             self.evaluate_at(&state.positions);
-            let rows = self.rows.value.iter().zip(&self.rows.stiffness);
-            for (start, (value, &k)) in self.start_value.iter_mut().zip(rows) {
-                *start = update.damped_fraction(k) * value;
+            for (row, start) in self.start_value.iter_mut().enumerate() {
+                let update = update.for_row(self.rows.is_limit[row]);
+                *start = update.damped_fraction(self.rows.stiffness[row]) * self.rows.value[row];
             }
         }
         for (v, x) in self.positions.iter_mut().enumerate() {
@@ -335,7 +335,7 @@ impl DirectXpbd {
         self.kkt.set_rows(&self.rows, update);
         for row in 0..self.rows.len() {
             self.scaled_compliance[row] = if self.kkt.row_scale[row] > 0.0 {
-                update.scaled_compliance(self.rows.stiffness[row])
+                self.rows.scaled_compliance(row, update)
             } else {
                 Real::INFINITY
             };
@@ -402,8 +402,7 @@ impl DirectXpbd {
         for row in 0..self.rows.len() {
             // A spring between two prescribed vertices is not in the system, but has a force.
             if self.kkt.row_scale[row] == 0.0 {
-                let force =
-                    -self.rows.value[row] / update.scaled_compliance(self.rows.stiffness[row]);
+                let force = -self.rows.value[row] / self.rows.scaled_compliance(row, update);
                 self.multipliers[row] = if force.is_finite() { force } else { 0.0 };
             }
         }

@@ -38,6 +38,8 @@ pub struct RowView<'a, M> {
     /// `∂C/∂x` (unit of C per m), one per vertex of the element; of a row with a dead zone ∂φ/∂x, also where it
     /// is inactive.
     pub gradient: &'a [Vec3],
+    /// Whether it has a dead zone.
+    pub is_limit: bool,
     /// Its memory.
     pub memory: &'a M,
 }
@@ -67,6 +69,12 @@ pub trait ConstraintUpdate: Copy + Debug + Send + Sync + 'static {
     #[inline]
     fn prepare(&self, row: RowState, memory: &mut Self::Memory) {
         let _ = (row, memory);
+    }
+
+    /// The same of a row with a dead zone ([`DeadZoneRow`](crate::element::DeadZoneRow)).
+    #[inline]
+    fn prepare_limit(&self, row: RowState, memory: &mut Self::Memory) {
+        self.prepare(row, memory);
     }
 
     /// Resets the memory, at the start of a substep.

@@ -199,9 +199,15 @@ impl<const N: usize, E: Constraint<N>, U: ConstraintUpdate> AnyFamily<U>
     fn prepare(&mut self, update: &U, inverse_mass: &[Real], x: &[Vec3]) {
         for (element, memory) in self.elements.elements().iter().zip(&mut self.memory) {
             let w = element.vertices().map(|v| inverse_mass[v as usize]);
-            let rows = element.rows(&gather(x, element.vertices()));
+            let x = gather(x, element.vertices());
+            let is_limit = element.dead_zone_rows(&x).is_some();
+            let rows = element.rows(&x);
             for (row, memory) in rows.as_ref().iter().zip(memory.as_mut()) {
-                update.prepare(row_state(row, &w, row.value), memory);
+                let row = row_state(row, &w, row.value);
+                match is_limit {
+                    true => update.prepare_limit(row, memory),
+                    false => update.prepare(row, memory),
+                }
             }
         }
     }
@@ -263,6 +269,7 @@ impl<const N: usize, E: Constraint<N>, U: ConstraintUpdate> AnyFamily<U>
                     index: place as usize * E::Rows::LEN + i,
                     row: row_state(row, &w, row.value),
                     vertices: &vertices,
+                    is_limit: whole.is_some(),
                     gradient: whole.unwrap_or(&row.gradient),
                     memory,
                 });

@@ -69,9 +69,10 @@ fn step<const N: usize, E: Constraint<N>>(
     [x[2].y, force, solver.compliance_residual(x)]
 }
 
-/// The minimum of `m/(2h²) (y − ỹ)² + ½ p (y − 1)² + ½ k (y − clamp y)²`, and the force of the last term.
-fn implicit_euler(stiffness: Real, pull: Real, predicted: Real) -> [Real; 2] {
-    let inertia = MASS / (H * H);
+/// The minimum of `m/(2h²) (y − ỹ)² + ½ p (y − 1)² + ½ k (y − clamp y)²`, and the force of the last term. Damping β,
+/// with ỹ where the step starts, adds `p β/(2h) (y − ỹ)²`: the pin is damped, and the limit is not.
+fn implicit_euler(stiffness: Real, pull: Real, predicted: Real, damping: Real) -> [Real; 2] {
+    let inertia = MASS / (H * H) + pull * damping / H;
     let free = (inertia * predicted + pull) / (inertia + pull);
     let bound = free.clamp(SHORTEST, LONGEST);
     let rest = inertia + pull;
@@ -90,12 +91,13 @@ fn follows_the_law<const N: usize, E: Constraint<N>>(
     for predicted in [3.0, 1.3, 1.21, 0.5, 1.1] {
         for stiffness in [50.0, 2e3, 1e5, Real::INFINITY] {
             for pull in [100.0, 2e3, 5e3] {
-                let [y, force] = implicit_euler(stiffness, pull, predicted);
                 for &(sweep, acceleration) in variants {
-                    for sweeps in [800, 801, 1600] {
+                    for (sweeps, damping) in [(800, 0.0), (801, 0.0), (1600, 0.0), (1600, 0.004)] {
+                        let [y, force] = implicit_euler(stiffness, pull, predicted, damping);
                         let config = XpbdConfig {
                             sweep,
                             acceleration,
+                            damping,
                             ..iterations(sweeps)
                         };
                         let [end, read, left] = step(limit(stiffness), pull, predicted, config);

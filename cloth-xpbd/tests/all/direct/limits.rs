@@ -14,18 +14,22 @@ const RANGE: [Real; 2] = [0.8, 1.2];
 
 /// One vertex along y between a limit of its distance to the origin and a soft pin at y = 1: where a step from
 /// rest ends (m) and the force of the limit (N), beside the minimum of
-/// `m/(2h²) (y − ỹ)² + ½ p (y − 1)² + ½ k (y − clamp y)²`.
+/// `m/(2h²) (y − ỹ)² + ½ p (y − 1)² + ½ k (y − clamp y)²`, to which damping β adds `p β/(2h) (y − ỹ)²` of the pin alone.
 #[test]
 fn a_limit_acts_with_its_stiffness_where_it_does_and_not_at_all_elsewhere() {
     let [shortest, longest] = RANGE;
-    let inertia = MASS / (H * H);
     let mut particles = Particles::new(vec![MASS; 2]).unwrap();
     particles.prescribe(0).unwrap();
     for system in SYSTEMS {
-        for start in [DirectStart::Predicted, DirectStart::Previous] {
+        for (start, damping) in [
+            (DirectStart::Predicted, 0.0),
+            (DirectStart::Previous, 0.0),
+            (DirectStart::Predicted, 0.004),
+        ] {
             let config = DirectConfig {
                 system,
                 start,
+                damping,
                 ..DirectConfig::default()
             };
             for predicted in [3.0, 1.3, 1.21, longest, 1.1, shortest, 0.5] {
@@ -48,6 +52,8 @@ fn a_limit_acts_with_its_stiffness_where_it_does_and_not_at_all_elsewhere() {
                         let mut solver = builder.config(config).build().unwrap();
                         let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::y() * predicted]);
                         let report = solver.step(&mut state, StepInput::new(H)).unwrap();
+                        let damper = pull * damping / H;
+                        let inertia = MASS / (H * H) + damper;
                         let rest = inertia + pull;
                         let free = (inertia * predicted + pull) / rest;
                         let bound = free.clamp(shortest, longest);
@@ -67,7 +73,7 @@ fn a_limit_acts_with_its_stiffness_where_it_does_and_not_at_all_elsewhere() {
                         );
                         assert!((end - y).abs() < 1e-15, "{what}");
                         assert!((read - force).abs() < 1e-10, "{what}");
-                        let sum = read - pull * (end - 1.0);
+                        let sum = read - pull * (end - 1.0) - damper * (end - predicted);
                         assert!((forces[1].y - sum).abs() < 1e-10, "{what}");
                         assert_eq!(report.outcome, Outcome::Converged, "{what}");
                         assert!(report.iterations <= 6, "{what}");
