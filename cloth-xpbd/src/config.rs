@@ -8,10 +8,10 @@ use cloth_core::method::position_based::{Acceleration, Sweep};
 /// # How fast sweeps converge
 /// For rows with constant gradients a sweep is Gauss–Seidel on `A = J M⁻¹ Jᵀ + α̃`, which is symmetric and positive
 /// semi-definite. So it converges for any mesh, stiffness and masses ([stability](crate#limits)), unless hard rows
-/// contradict one another. The slowest part of the error is multiplied by one factor ρ a sweep: a factor of e takes
-/// `1/(−ln ρ)` sweeps. In a straight chain A is tridiagonal, with `wᵢ₋₁ + wᵢ + α̃` on the diagonal and `−wᵢ` beside it,
-/// and the ρ of Gauss–Seidel is the square of that of Jacobi (D. Young, "Iterative solution of large linear systems",
-/// 1971). With `η = 2 k h² w`:
+/// [contradict one another](#redundant-and-contradictory-hard-rows). The slowest part of the error is multiplied by one
+/// factor ρ a sweep: a factor of e takes `1/(−ln ρ)` sweeps. In a straight chain A is tridiagonal, with
+/// `wᵢ₋₁ + wᵢ + α̃` on the diagonal and `−wᵢ` beside it, and the ρ of Gauss–Seidel is the square of that of Jacobi (D.
+/// Young, "Iterative solution of large linear systems", 1971). With `η = 2 k h² w`:
 ///
 /// | chain | ρ |
 /// |---|---|
@@ -32,14 +32,28 @@ use cloth_core::method::position_based::{Acceleration, Sweep};
 ///   same h both `η/2` and N² grow with n², and so do the sweeps. With h ~ 1/n, n times the substeps, η is constant:
 ///   then one sweep a substep corrects the same fraction on any mesh, at the cost of n substeps and not n² sweeps.
 /// - **Mass ratio**: with a heavy tip a factor of e takes some `r (N − 1)` sweeps in the place of `4N²/π²`, so for 24
-///   links and r = 1000 some 23,000 in the place of 230. A light tip costs none. Springs take fewer: 1/r becomes
-///   `1/r + N/(k h² w)`, as the compliance of the chain lets the tip go. For heavy tips there is the [direct
-///   solver](crate#direct-solve).
+///   links and r = 1000 some 23,000 in the place of 230. A light tip costs none. Springs in place of the links take
+///   fewer, `(N − 1)/(1/r + N/(k h² w))`, since λᵀAλ of the last line then has `N α̃ = N/(k h²)` besides `1/(r m)`. For
+///   heavy tips there is the [direct solver](crate#direct-solve).
 /// - **The order** does not change ρ of a chain: Gauss–Seidel has the square of Jacobi's ρ in the order of the links
 ///   and coloured. Averaged Jacobi is slower; [`Sweep`] has its factors.
 ///
 /// For a sheet ρ has no closed form. Hung by a side its columns are chains of N = n − 1; what is measured on sheets is
-/// the strain that is left ([table](crate#how-many-substeps-how-many-iterations)).
+/// the strain that is left ([table](crate::SubstepRule#against-the-closed-form)).
+///
+/// # Redundant and contradictory hard rows
+/// The gradients of hard rows may depend on one another: a truss with more links than hold it, two hard attachments of
+/// one vertex. A is then singular.
+///
+/// - *Redundant* rows agree: some positions meet all of them. Sweeps converge to such positions, and a row that others
+///   have met moves nothing. λ is one of many; which one depends on the order of the visits.
+/// - *Contradictory* rows do not. Each visit meets its own row and undoes the others, so sweeps end in a cycle, not in
+///   a limit: at the end of a sweep the row that was visited last is met. Positions stay between what the rows ask for,
+///   but the λ of these rows grow by the same amounts in each sweep, until the next substep begins with λ = 0: forces
+///   read from them mean nothing. With a finite k in their place, however large, A is regular and sweeps have a limit.
+///
+/// Within one element the later of two redundant rows is left out. A row between prescribed vertices is left alone.
+/// What the [direct solver](crate#direct-solve) makes of such rows is with that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XpbdConfig {
     /// Sweeps over all constraints per substep, at least 1.

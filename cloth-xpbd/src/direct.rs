@@ -81,10 +81,10 @@
 //!   1/960 s. Rows that accelerate a vertex by a take it h² a away from x̃. For a = 2 g that is 5.5 mm at 1/60 s, and
 //!   the error some 0.2 mm; at 1/240 s it is 0.34 mm, and the error some 2 µm.
 //! - *With smaller steps.* In the first step of a chain that has been set in motion (`tests/all/direct/convergence.rs`,
-//!   `where_links_turn_…`) the distance to where this solver ends becomes more than 64 times smaller from 1/60 to
-//!   1/240 s, and again to 1/960 s: an order above 3 in h. Divided by h it is an error of the velocity. If those of the
-//!   t/h steps of a run add up, the sum still goes with more than the first power of h, which is the order of backward
-//!   Euler's own error.
+//!   `where_links_turn_…`) the distance to where this solver ends becomes more than 64 times smaller from 1/60 to 1/240
+//!   s, and again to 1/960 s: an error of x of an order above 3 in h. The velocity is a change of x over h, so its
+//!   error in that step is of an order above 2. A run of a time t has t/h steps. If their errors add up, the sum is of
+//!   an order above 1, and so smaller, for small h, than backward Euler's own error, which is of order 1.
 //! - *At rest.* x̃ lies h² g below x: 2.7 mm at 1/60 s, 7 µm at 1/1200 s. A rope between two pins hangs with the
 //!   gradients of places in between. Its forces, read with those of the end, miss the weight of a vertex, 0.49 N, by
 //!   less than 3e-3 N or 0.6 % at 5 ms, and by about four times as much at 10 ms (`tests/all/chapter/forces.rs`); this
@@ -106,7 +106,8 @@
 //! conjugate gradients. The dual matrix needs an H whose inverse is sparse, so the geometric stiffness is then
 //! replaced by a block-diagonal upper bound. GMRES is not offered: on a symmetric matrix it makes the iterates
 //! of MINRES, and keeps all directions to do so. *Primal*, with Δλ eliminated, it would be
-//! `(H + Jᵀ α̃⁻¹ J) Δx = −h² ∇G`, Newton's method on the positions: not offered either, as a hard row has no α̃⁻¹.
+//! `(H + Jᵀ α̃⁻¹ J) Δx = −h² ∇G`: Newton's method on the positions, if H had λ = −C/α̃ and kept its negative part (here
+//! it has the accumulated λ, and drops that part). It is not offered either, as a hard row has no α̃⁻¹.
 //!
 //! **Definite?** H is positive definite, the negative part of the geometric stiffness being dropped. So the primal–dual
 //! matrix, symmetric, with α̃ > 0 has one positive eigenvalue for each coordinate and one negative for each row: it is
@@ -138,10 +139,10 @@
 //!
 //! # Direct or sweeps
 //! What one step to 1e-6 of the size costs (medians of 60 steps, one thread of an Intel Xeon that did other work too,
-//! commit e6a6660), and how many substeps of one sweep [`XpbdSolver`](crate::XpbdSolver) makes in that time. Links of
-//! 5 cm and 10 g fall from the horizontal: `cloth-bench run chain --n 100 --steps 60 --threads 1 --set stiffness=1e6
-//! --set tip_mass=10 --method xpbd-direct` (equal masses: `tip_mass=0.01`), the same with `--method xpbd --set
-//! substeps=200 --set energy_gain=none`, and both methods on `hang --n 17`:
+//! commit e6a6660), and how many substeps of one sweep [`XpbdSolver`](crate::XpbdSolver) makes in that time. Links of 5
+//! cm and 10 g fall from the horizontal:
+//! `cloth-bench run chain --n 100 --steps 60 --threads 1 --set stiffness=1e6 --set tip_mass=10 --method xpbd-direct`
+//! (equal masses: `tip_mass=0.01`), and the same with `--method xpbd --set substeps=200 --set energy_gain=none`:
 //!
 //! | scene | direct (ms) | iterations | substeps in that time |
 //! |---|---|---|---|
@@ -149,21 +150,14 @@
 //! | 24 links, tip 1000 times as heavy | 0.23 | 8 | 920 |
 //! | 100 links, equal masses | 0.44 | 5 | 470 |
 //! | 100 links, tip 1000 times as heavy | 1.04 | 7 | 1100 |
-//! | sheet, 17 × 17 | 76 to 134 | 12 | 5000 to 10 000 |
 //!
-//! An iteration evaluates the rows, factorises once, and solves three to five times with that factor (table above), a
-//! solve using each of its numbers twice: 4 operations and 16 bytes.
+//! An iteration evaluates the rows, factorises once, and solves three to five times with that factor (table above). In
+//! a chain all of that grows with the number of links: a row couples neighbours only, and each link adds the same 74
+//! numbers to the factor.
 //!
-//! **How the factor grows.** A column of c numbers takes about c² operations to factorise: c²/2 products, as many
-//! differences. A chain has 4 columns a link, three coordinates and a row, with 18.6 numbers each in that table, and
-//! each more link adds the same: 74 numbers and some 1400 operations. A sheet of V vertices falls into two halves when
-//! some √V vertices and the rows across are taken out, each half again, and so on. Numbered in that order, nested
-//! dissection, the factor has O(V log V) numbers and takes O(V^1.5) operations (George 1973, for regular grids): the
-//! last cut alone is a dense block of some √V columns. The order used here, approximate minimum degree, has no such
-//! bound. The sheet of 17 × 17 vertices in the table has 94 973 numbers, 329 a vertex, in 3869 columns (861 free
-//! coordinates, 800 springs, 736 hinges of three rows). So a factorisation takes at least `94 973²/3869`, 2.3 million
-//! operations (a mean of squares is at least the square of the mean), a solve 0.38 million. Measured (2 cores of an
-//! Intel Xeon VM, one thread, commit 3158c95, medians,
+//! **Cloth.** In a sheet of V vertices eliminating a vertex couples all of its neighbours that are left, so the factor
+//! grows faster than V: 329 numbers a vertex with 17 × 17 vertices. Measured (2 cores of an Intel Xeon VM, one thread,
+//! commit 3158c95, medians,
 //! `cargo run --release -p cloth-bench -- run hang --n 9 --steps 20 --method xpbd-direct --threads 1`, and n = 17, 33):
 //!
 //! | sheet | V | a step (ms) | iterations | an iteration (ms) |
@@ -172,9 +166,10 @@
 //! | 17 × 17 | 289 | 49 | 12.6 | 3.9 |
 //! | 33 × 33 | 1089 | 401 | 19.1 | 21 |
 //!
-//! The time of an iteration goes with V^1.14 from the first to the second line, with V^1.27 to the third: rows, matrix
-//! and solves, which go with V or V log V, still have a part in it. Iterations grow too, so that of a step goes with
-//! V^1.6.
+//! The time of an iteration goes with V^1.14 from the first to the second line, with V^1.27 to the third. Iterations
+//! grow too, so that of a step goes with V^1.6. A substep of one sweep takes about 55 ns a vertex on that machine
+//! ([measured](crate::XpbdSolver#what-a-step-costs)), so the step of 17 × 17 vertices takes as long as some 3000
+//! substeps.
 //!
 //! **Against stiffness** the crossover is not measured: each scene above has one k. An iteration here costs the same
 //! for any k, ∞ too, and their number depends on how far rows turn. Sweeps for a factor of e grow as η/2, with
@@ -237,8 +232,6 @@
 //! Macklin et al. 2016, Servin et al. 2006 and Tournier et al. 2015 are with [the crate](crate#references).
 //! - Y. Chen, Y. Han, J. Chen, S. Ma, R. Fedkiw, J. Teran, "Primal residual reduction with extended position based
 //!   dynamics and hyperelasticity", Computers & Graphics 2024, <https://doi.org/10.1016/j.cag.2024.103902>.
-//! - A. George, "Nested dissection of a regular finite element mesh", SIAM J. Numer. Anal. 10, 1973,
-//!   <https://doi.org/10.1137/0710032>.
 //! - C. Deul, T. Kugelstadt, M. Weiler, J. Bender, "Direct position-based solver for stiff rods", Computer Graphics
 //!   Forum 37 (6), 2018, <https://doi.org/10.1111/cgf.13326>.
 

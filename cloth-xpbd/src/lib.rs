@@ -112,7 +112,8 @@
 //!
 //! **Beside projective dynamics**, which lowers the same G in x with one constant matrix for all elements at once: XPBD
 //! eliminates x by `x = x̃ + M⁻¹ Jᵀ λ` and relaxes the system that is left in λ, the *dual* one above, row by row. Its
-//! sweeps are slow on long stiff chains and no slower for hard rows; a constant matrix knows chains, but not k = ∞.
+//! sweeps carry a correction slowly along a chain, but a hard row is no slower than a stiff one. One solve with that
+//! constant matrix reaches through a whole chain, but the matrix contains every k, so no k may be ∞.
 //!
 //! # The step
 //! ```text
@@ -124,9 +125,10 @@
 //! ```
 //!
 //! It is Algorithm 1 of Macklin et al. 2016 in substeps (Macklin et al. 2019); `v + (x − x̃)/h` is their `(x − x⁰)/h`,
-//! rounded better. Air ([`StepInput::air`]) is projected after each sweep and before contact, as a constraint of
-//! stiffness D/h. `examples/first_program.rs` is this box as plain loops over arrays, and compares itself with
-//! [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
+//! rounded better. The rows are visited family by family: a *family* is what one call of
+//! [`energy`](XpbdBuilder::energy) adds, elements of one type. Air ([`StepInput::air`]) is projected after each sweep
+//! and before contact, as a constraint of stiffness D/h. `examples/first_program.rs` is this box as plain loops over
+//! arrays, and compares itself with [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
 //!
 //! A prescribed (pinned, kinematic) vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work
 //! that this takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state, unless
@@ -137,10 +139,12 @@
 //! built: to grab or release one during a run, build a new solver and go on with the same state. A soft pin is an
 //! [`Attachment`](cloth_core::energy::Attachment).
 //!
-//! The rows of one element (those of limits apart) are solved together, block Gauss–Seidel:
-//! `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with its few rows, so the three strains of a triangle need no repetition to agree.
-//! Rows without a common coordinate, those of a quadratic hinge for instance, are solved one by one, which is the same.
-//! Of two redundant hard rows of an element the later one is left out.
+//! The rows of one element are solved together, block Gauss–Seidel: `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with its few
+//! rows, so the three strains of a triangle need no repetition to agree. Rows without a common coordinate, those of a
+//! quadratic hinge for instance, are solved one by one, which is the same. The rows of an inequality (next paragraph)
+//! are solved one by one too. Of two redundant hard rows of an element the later one is left out; hard rows of
+//! different elements that are redundant or contradict each other are with
+//! [`XpbdConfig`](XpbdConfig#redundant-and-contradictory-hard-rows).
 //!
 //! The row of an inequality, a limit or a contact, accumulates too. For an upper limit C ≤ 0, which only pulls, λ is
 //! projected onto its bound, `λ ← min(0, λ + Δλ)`, and x moves by what λ has changed
@@ -169,10 +173,8 @@
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`:
-//! `Δλ ← −residual/(w̃ + α̃)` with the residual C + α̃λ from `update.rs`. `coupled_correction` solves the rows of an
-//! element together, `dead_zone_correction` projects λ of limits, and the other two are the same for rows of a special
-//! shape. For a spring, `unit_row_correction` leaves the gradient `d/l` undivided and computes
-//! `Δλ/l = −(C + α̃λ)/((w̃ + α̃) l)`, so that one division does for two.
+//! `Δλ ← −residual/(w̃ + α̃)` with the residual C + α̃λ from `update.rs`. The other functions there solve the rows of
+//! an element together, project λ of limits, or are the same for rows of a special shape.
 //!
 //! # Units
 //! | element | C | k | α = 1/k | λ |
@@ -187,15 +189,19 @@
 //!
 //! `α̃ = α/h²` and `w̃` have the same unit, u²/(kg m²); their ratio `k h² w̃` says how stiff a row is *for this step*:
 //! much above 1 it acts as a hard constraint, much below 1 one visit hardly matters. Elements take k, not α, and derive
-//! it from the material: Y (N/m), Young's modulus times thickness, and D (N m), the bending rigidity. Springs get k = ¾
-//! Y inside the alternating grid, half of that on its boundary, which makes an isotropic sheet of ν = 1/3 and a shear
-//! modulus of ⅜ Y ([`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus)). Infinite k is a hard row (zero
-//! compliance), zero k no row. Negative k is not checked: a visit turns C̃ to `−C̃/(|k| h² w̃ − 1)`, or does nothing
-//! where `|k| h² w̃ ≤ 1`.
+//! it from the material: Y (N/m), Young's modulus times thickness, and D (N m), the bending rigidity. Infinite k is a
+//! hard row (zero compliance), zero k no row. Negative k is not checked: a visit turns C̃ to `−C̃/(|k| h² w̃ − 1)`, or
+//! does nothing where `|k| h² w̃ ≤ 1`.
 //!
-//! A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` along x, y and z, k = 3c/(A₀ + A₁) (Bergou et al. 2006);
-//! `CurvatureHinge::new` takes c, `CurvatureHinge::across` D, and c = D/3. The rows of a StVK triangle are a change of
-//! area and two shears, with a k for each such that `½ Σ k C²` is its energy ([formulas](XpbdBuilder#elements)).
+//! **k from Y.** Springs have k = ¾ Y inside the *alternating grid* ([squares](cloth_core::Diagonals::Alternating) with
+//! diagonals of alternating direction), and half of that on its boundary. They make an isotropic sheet of ν = 1/3 and a
+//! shear modulus of ⅜ Y ([derivation](XpbdBuilder#elements)).
+//!
+//! **k from D.** A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` along x, y and z, k = 3c/(A₀ + A₁) (Bergou et al.
+//! 2006); `CurvatureHinge::new` takes c, `CurvatureHinge::across` D, and c = D/3: equilateral triangles, bent to a
+//! cylinder of curvature κ in any direction, then store ½ D κ² per area ([derivation, and what other meshes
+//! do](cloth_core::energy#what-a-bending-rigidity-means-on-a-mesh)). The rows of a StVK triangle are a change of area
+//! and two shears, with a k for each such that `½ Σ k C²` is its energy ([formulas](XpbdBuilder#elements)).
 //!
 //! On a finer mesh of the same cloth a spring has the same k, a hinge k ~ 1/A and a triangle k ~ A, so the *converged*
 //! cloth stays the same. Swept once a substep it does not: a finer mesh takes [more substeps](SubstepRule).
@@ -219,8 +225,8 @@
 //! `1 + (hω)²`, a damping ratio of hω/2 if that is small. In a given time smaller substeps damp less where hω < 2.
 //!
 //! # Forces
-//! `Jᵀλ/h²` (N): [`XpbdSolver::each_force`] row by row, [`XpbdSolver::vertex_forces_into`] summed at the vertices,
-//! [`XpbdSolver::multipliers_into`] as λ. At a prescribed vertex it is the load on the support, at rest the weight.
+//! `Jᵀλ/h²` (N): [`XpbdSolver::each_force`] row by row, [`XpbdSolver::vertex_forces_into`] summed at the vertices (at a
+//! prescribed one the load on its support, at rest the weight); [`XpbdSolver::multipliers_into`]: λ.
 //!
 //! # How many substeps, how many iterations
 //! The closed forms of a straight chain of N rigid links of length l tell what a setting leaves on top of the elastic
@@ -235,40 +241,35 @@
 //!   s = Δt √( g (N − 1) (1 + 2 (m_t/m − 1)/N) / (2 l ε) )   substeps
 //!   ```
 //!
-//!   that is 8.7 for 1 %, 24 links of 1/24 m, equal masses, 1/60 s and 9.81 m/s², and 87 with a tip of 1200 times the
-//!   mass.
-//! - **n iterations** of one substep share λ about equally and divide the sag by nearly n, to about
-//!   `g Δt² N(N − 1)/(2n)`, as long as n is well below N². (n substeps divide it by n², as each needs only a λ that
-//!   goes with h².) From then on each keeps `cos²(π/(2N))` of the error ([limits](#limits)), a factor of 100 in
-//!   `ln 100/(−2 ln cos(π/(2N)))` sweeps: 1,074 for these 24 links.
+//!   that is 8.7 for 1 %, 24 links of 1/24 m, equal masses, 1/60 s, 9.81 m/s², and 87 with a tip 1200 times as heavy.
+//! - **n iterations** of one substep share λ about equally and divide the sag by n or a little more (1.04 n for n = N =
+//!   24), to about `g Δt² N(N − 1)/(2n)`, as long as n is well below N². (n substeps divide it by n², as each needs
+//!   only a λ that goes with h².) From then on each keeps `cos²(π/(2N))` of the error ([limits](#limits)), a factor of
+//!   100 in `ln 100/(−2 ln cos(π/(2N)))` sweeps: 1,074 for these 24 links.
 //! - **"As many iterations as the mesh is wide"** is a popular rule. N sweeps leave `cos^(2N)(π/(2N)) ≈ e^(−π²/(4N))`
 //!   of the slowest error, here 90 %. At rest they leave a sag of about `g Δt² (N − 1)/2`, a mean strain of 3.1 %, for
-//!   the 24 links: measured 3.0 %, and 2.3 % on a sheet of as many rows. The same sweeps as substeps leave 0.13 % and
-//!   0.10 %.
+//!   the 24 links: measured 3.0 %, and 2.3 % on a sheet of as many rows; as many substeps leave 0.13 % and 0.10 %.
 //!
-//! What the prediction is worth, measured (`cloth-bench study sag --tables`; 24 edges of 1/24 m, rigid springs, one
-//! sweep per substep, at rest), in multiples of the predicted mean strain:
+//! Sheets differ from that: held by an edge they are strained by 0.8 of the prediction, by two corners by 3 times as
+//! much or more ([table](SubstepRule#against-the-closed-form)), since the weight of the whole sheet goes through a few
+//! edges, as with a heavy tip. All that is at rest. Cloth that swings is also brought to a stop, by its supports or by
+//! what it hits. A stop from a speed v strains it by some 2 v h/l, since no wave goes further than an edge or so in a
+//! substep; this part falls with 1/n, not 1/n², in n times as many substeps. [`SubstepRule`] has both parts for any
+//! cloth, and a third for a tension that lasts, as in an inflated balloon. It is what to take; its page has measured
+//! strains, and what a substep costs.
 //!
-//! | hung by | sweep | mean strain | largest strain |
-//! |---|---|---|---|
-//! | chain, its end | from the support | 1.00 | 2.0 |
-//! | chain, its end | coloured | 1.04 | 3.8 |
-//! | sheet, an edge | coloured | 0.79 | 4.3 |
-//! | sheet, two corners, predicted 0.3 % or less | coloured | 3.0 to 3.2 | 11 or 35, by the diagonals at the corners |
-//! | sheet, two corners, predicted 0.9 % | coloured | 13 | 100 |
+//! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler: on 24 ×
+//! 24 vertices 20 sweeps leave a strain of up to 17 % as substeps, 158 % as iterations (`--example hanging_sheet`).
 //!
-//! By two corners the weight of the whole sheet goes through a few edges, as with a heavy tip. There divide the mean
-//! strain that you want by three before you put it into the formula, and never put in more than 0.3 %: beyond, the
-//! edges at the corners yield. For a bound on the *worst* edge divide by four (held by an edge) or 10 to 40 (corners).
-//!
-//! All that is at rest. What swings is also stopped, and a stop at speed v strains by some 2 v h/l, since no wave goes
-//! further than an edge or so in a substep; this part falls with 1/n, not 1/n², in n times as many substeps.
-//! [`SubstepRule`] has both parts for any cloth, and a third for a tension that lasts, of cloth that is blown up. It is
-//! what to take; its page has measured strains over a whole swing, and what a substep costs beside its sweep.
-//!
-//! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler. On a
-//! sheet of 24 × 24 vertices 20 sweeps leave a largest strain of 17 % as substeps, 158 % as iterations
-//! (`--example hanging_sheet`).
+//! # Which settings
+//! | scene | take |
+//! |---|---|
+//! | any cloth | one sweep a substep, and the substeps of [`SubstepRule`] for a strain of 10 %, with contact 7 % |
+//! | cloth that a hand or a corner may catch | [`energy_gain`](#steps-that-gain-energy) of 0.01 besides |
+//! | a rope, a chain | [`Sweep::Sequential`], links in order from the support |
+//! | a heavy end, or few hard constraints to round-off | the [direct solver](#direct-solve) |
+//! | many sweeps in one substep | [`Chebyshev`] |
+//! | motion that should die out | [`XpbdConfig::damping`] |
 //!
 //! # Steps that gain energy
 //! No rule knows before a run where cloth will be stopped on a corner or pulled taut by a hand. Too few substeps leave
@@ -276,11 +277,11 @@
 //! kinetic and elastic energy have gained with the work of gravity, loads, prescribed vertices and contact. The excess
 //! is summed over the steps, losses taken off, never below zero. A step that adds to the sum and lifts it above τ times
 //! the largest energy so far is repeated with twice as many substeps, up to eight times as many
-//! ([`StepReport::refinements`]); `refinement.rs` defines that scale, and says when fewer are tried again. τ = 0.01 is
-//! a good value, on top of [`SubstepRule`]: a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by
-//! twenty substeps, then has at no time more energy than it was given by over 0.8 % of the work of gravity; without τ
-//! by twelve times that work. A step without excess costs two evaluations of the energy. The stiffer a cloth, the more
-//! energy is in the same strain, and the more often it takes all eight times as many.
+//! ([`StepReport::refinements`]); `refinement.rs` defines that scale, and says when fewer are tried again. Take τ =
+//! 0.01, on top of [`SubstepRule`]. An example is a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners,
+//! by twenty substeps: with this τ its energy exceeds what it was given by at most 0.8 % of the work of gravity,
+//! without τ by up to twelve times that work. A step without excess costs two evaluations of the energy. The stiffer a
+//! cloth, the more energy is in the same strain, and the more often it takes all eight times as many.
 //!
 //! # Order of the constraints, colours and threads
 //! A sweep visits the families in the order in which they were added, and the elements of a family in the order of
@@ -300,62 +301,76 @@
 //! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. A chain of 20 rigid links takes less than a
 //! fifth of the sweeps to 1e-7 m with ρ given, less than a third with ρ estimated (`tests/all/sweeps.rs`).
 //!
-//! Order families from the one that must hold least to the one that must hold best: the last one visited is met best.
-//! So contact comes last.
+//! The family visited last is met best: add the one that must hold best last. Contact comes after all families.
 //!
 //! # Contact
 //! A [`ContactSource`](cloth_core::contact::ContactSource), as the crate `cloth-collide` has it, is handed over with
 //! [`StepInput::contacts`]. Its [`ContactConstraints`](cloth_core::contact::ContactConstraints) find at x̃ what can
 //! touch in the substep (`begin_substep`), are swept last in each iteration, test the paths before the velocities are
 //! found (`end_substep`), and may change those afterwards (`change_velocities`). A contact is a row
-//! `C = n·Σ bᵢ xᵢ − d̂ ≥ 0`, with bᵢ barycentric weights, negative on one side. It comes from the energy per area ψ(d)
-//! (J/m²) of `cloth_collide::potential`, with κ (Pa/m) and the range r: the thickness, or half the thickness between
-//! two edges:
+//! `C = n·Σ c_k x_k − d₀ ≥ 0`: the sum is the vector between the two nearest points, with barycentric weights c_k that
+//! are negative on one side, and n its direction at the start. The row comes from the energy per area ψ(d) (J/m²) of
+//! `cloth_collide::potential`, d the distance, with the range r (m) and the stiffness κ (Pa/m):
 //!
 //! ```text
 //! ψ = ½ κ (r − d)²                 from d = r/2 to r; nothing beyond
 //! ψ = ½ κ t² − κ t² ln(d/t)        below t = r/2, a barrier
 //! ```
 //!
-//! ψ′ is replaced by its tangent at the distance d of the start: compliance 1/(A ψ″) for the area A, and
-//! `d̂ = d − ψ′/ψ″`, where that line is zero. From t on this gives d̂ = r and ψ″ = κ, the spring itself; below,
-//! `d̂ = 2d` and `ψ″ = κ t²/d²`: what is too near is held more stiffly, but sent to 2d only in one substep. In a visit,
-//! with `ŵ = Σ wᵢ bᵢ²`,
+//! - **r** is the thickness that the builder is given; between two edges half of it. So edges push only where no vertex
+//!   keeps the cloth apart already, and far fewer pairs are near enough to push.
+//! - **A**, the area at rest that a contact stands for, makes A ψ its energy: of a vertex a third of the triangles
+//!   around it, and half of that before other cloth, whose vertices press too; of two edges the smaller of theirs, each
+//!   a third of the triangles beside it.
+//! - **κ** is a number of the scene. A pressure p leaves a gap of r − p/κ, as long as p < κ r/2: at the default of 10⁶
+//!   Pa/m cloth of 0.2 kg/m² that lies on a body gives way by 2 µm of 1 mm. With ρ the mass per area `κ h²/ρ` is the
+//!   `k h² w̃` of a vertex before a body, 3.5 for that cloth at h = 1/1200 s; much above 1 it acts as a hard row.
+//!
+//! A row has one k, so ψ′ is replaced by its tangent at the distance d of the start: compliance 1/(A ψ″), and
+//! `d₀ = d − ψ′/ψ″`, where that line is zero. From t on this gives d₀ = r and ψ″ = κ, the spring itself; below,
+//! `d₀ = 2d` and `ψ″ = κ t²/d²`: what is too near is held more stiffly, but sent to 2d only in one substep. In a visit,
+//! with `ŵ = Σ w_k c_k²`,
 //!
 //! ```text
 //! Δλ = max(−λ, −(C + α̃λ)/(ŵ + α̃)),   λ_t ← λ_t − u/ŵ, cut to ‖λ_t‖ ≤ μ λ
 //! ```
 //!
 //! the second for friction (after Müller et al. 2020, section 3.5, with one μ for sticking and sliding): u is the
-//! displacement of `Σ bᵢ xᵢ` at right angles to n from where the contact began to stick, also in an earlier substep.
+//! displacement of `Σ c_k x_k` at right angles to n from where the contact began to stick, also in an earlier substep.
 //! The λ of the bound μλ is that of this very sweep, just updated, so cloth that lands has friction at once.
 //!
-//! **After the sweeps** (`end_substep`) every pair is tested over its whole path. One that would not keep a tenth of
-//! its distance (of r, if that is less) gets up to three rounds of five more sweeps, without compliance. Then its
-//! vertices go half as far, in up to three rounds, and stay where the substep began in up to six more. What is not safe
-//! even then is left to the *last resort*: pairs are pushed apart one by one in up to 40 rounds; *impact zones*,
-//! vertices of pairs that meet, move as one rigid body for the substep (Provot 1997, Bridson et al. 2002); and vertices
-//! stay, which [`truncated_count`](cloth_core::contact::ContactSource::truncated_count) counts. Halved and truncated
-//! displacements lose momentum that no force has taken: where they are many, take more substeps. So a step ends free of
-//! crossings, or is refused with a [`StepError::Contact`] that leaves the state as it was:
+//! **After the sweeps** (`end_substep`) every pair is tested over its whole path. A pair is safe if it keeps a tenth of
+//! its distance there (of r, if that is less). While some are not safe,
+//!
+//! 1. up to 3 times, they are made hard (without compliance), and 5 more sweeps follow;
+//! 2. up to 3 times, their vertices go half as far from the start of the substep;
+//! 3. up to 6 times, their vertices stay where the substep began;
+//! 4. the *last resort* begins: in up to 40 rounds pairs that would meet are pushed apart one by one; vertices of pairs
+//!    that still meet become an *impact zone*, which moves as one rigid body for the substep (Provot 1997, Bridson et
+//!    al. 2002); what meets even so stays where it began.
+//!
+//! [`truncated_count`](cloth_core::contact::ContactSource::truncated_count) counts the displacements that were cut
+//! short in 2 to 4. They lose momentum that no force has taken: where they are many, take more substeps. So a step ends
+//! free of crossings, or is refused with a [`StepError::Contact`] that leaves the state as it was:
 //! [`Infeasible`](cloth_core::contact::ContactError::Infeasible) where prescribed vertices or bodies leave a vertex no
 //! path, [`IntersectingStart`](cloth_core::contact::ContactError::IntersectingStart) where something crossed before.
 //!
 //! **Restitution.** With `PotentialBuilder::restitution(e)`, e from 0 to 1, `change_velocities` gives every pair that
 //! approached with the velocity u along n and has touched the velocity e u, by the impulse `(e u − s)/ŵ` along n, s its
-//! separation velocity before that (Müller et al. 2020, section 3.6). An approach of less than r/1000 in a substep is
-//! rest. It cannot be beside a `free` body. Unless e is set, contact gives back what ψ has stored.
+//! separation velocity before that (Müller et al. 2020, section 3.6). An approach of less than a thousandth of the
+//! thickness in a substep is rest. Unless e is set, contact gives back what ψ has stored.
 //!
 //! **Bodies**, all of `PotentialBuilder`, each with its own μ: `obstacle` is a rigid one of a signed distance, still or
-//! with the velocities of its `RigidMotion`; `animated` a mesh whose vertices follow given shapes (`AnimatedMesh`); and
-//! `free` gives an obstacle a mass and an inertia, so that the cloth pushes it. Each is where the substep ends, and
-//! friction acts against its velocity.
+//! with the velocities of its `RigidMotion`; `animated` a mesh whose vertices follow given shapes; `free` gives an
+//! obstacle a mass and an inertia, so that the cloth pushes it (not together with restitution). Each is where the
+//! substep ends, and friction acts against its velocity.
 //!
 //! **Cloth with itself.** A pair is a vertex and a triangle, or two edges, that share no vertex and are not sewn
-//! together: those that do are neighbours, and never kept apart. Two parts of one connected piece push from r on, or
-//! from as far as they are apart at rest if that is less, so r may exceed an edge. But the pressure is κ's only for
-//! thin cloth: with r a tenth of an edge cloth on cloth presses 1.3 times as hard, with r as long as an edge 4.6 times.
-//! The promise: what does not cross when a step begins does not cross when it ends.
+//! together: those that do are neighbours, and never kept apart. Two primitives of one connected piece that are nearer
+//! than r at rest push only from their distance at rest on. So r may be longer than an edge, and the cloth still does
+//! not push itself apart at rest. But where r is not much shorter than an edge, a vertex feels several triangles of the
+//! other side, and the pressure is higher than κ says: 1.3 times with r a tenth of an edge, 4.6 times with r as long as
+//! an edge. What does not cross when a step begins does not cross when it ends.
 //!
 //! ```text
 //! let mut contacts = PotentialContacts::builder(&mesh).thickness(2e-3).friction(0.3).build()?; // m; cloth on cloth
@@ -365,18 +380,15 @@
 //! from `cloth_collide::potential`; bodies by `.obstacle(body, friction)`, and self-contact is on by default. The
 //! solver itself knows nothing of shapes, and runs no code for contact without a source. A volume to be kept
 //! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one more row, C = V − V* of all vertices of a closed
-//! piece, with ∂V as at the start of the substep, swept before the contacts.
-//!
-//! Unconverged sweeps leave energy here too. Where cloth can touch something, ask [`SubstepRule`] for a strain of 7 %
-//! ([table](SubstepRule#with-contact)).
+//! piece, with ∂V as at the start of the substep, swept before the contacts. Unconverged sweeps leave energy in contact
+//! too: ask [`SubstepRule`] for a strain of 7 % ([table](SubstepRule#with-contact)).
 //!
 //! # Direct solve
 //! With the feature `direct`, `direct::DirectXpbd` solves all rows of a step as one linear system, and repeats that to
 //! convergence, with the residual of (a) kept: its limit *is* the implicit Euler step. Use it for light chains with
 //! heavy ends, where sweeps stall, for hard constraints that have to be met to round-off, and as the reference for
 //! sweeps. With one solve a step and geometric stiffness it is stable constrained dynamics (Tournier et al. 2015).
-//! Tables of that module say which of its four linear systems suits what, and what a step costs in sweeps. Without the
-//! feature the crate does not depend on a factorisation library.
+//! Tables of that module say which of its four linear systems suits what, and what a step costs in sweeps.
 //!
 //! # Strain limits
 //! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
@@ -449,38 +461,25 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! k must not depend on x: the update takes it as a constant. An element whose one row has a unit gradient, or whose
-//! rows are linear coordinates, may say so (`row_form`) and is swept faster; the direct solver asks for
-//! `geometric_stiffness`, which has a default.
+//! k must depend neither on x nor on the time of `set_time`: the update takes it as a constant. An inequality, whose
+//! row is free on one side, also needs [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows): `rows` have
+//! neither value nor gradient where it is free, so no visit could take back the λ of an earlier one. An element whose
+//! one row has a unit gradient, or whose rows are linear coordinates, may say so (`row_form`) and is swept faster; the
+//! direct solver asks for `geometric_stiffness`, which has a default.
 //!
 //! # What a sweep costs
-//! ns per element and sweep, on one thread of a 2-core AMD EPYC (Zen 3) with AVX2, plain release build
-//! (`cargo bench -p benches --bench sweeps`, the smallest sample of each):
-//!
-//! | vertices a side | springs | quadratic hinges | springs, single precision (`single::SingleXpbd`) | springs, naive loop |
-//! |---|---|---|---|---|
-//! | 64 | 5.2 | 7.9 | 2.5 | 13.4 |
-//! | 128 | 5.2 | 8.0 | 2.5 | 13.5 |
-//! | 256 | 5.5 | 10.4 | 2.5 | 13.6 |
-//! | 512 | 5.4 | 10.4 | | 13.4 |
-//! | 1000 | 6.1 | 12.9 | | 13.6 |
-//!
-//! The naive loop visits springs in the order of their vertices, each waiting for the one before it.
-//! [`XpbdSolver`](XpbdSolver#what-a-step-costs) counts bytes and operations, and the rest of a step. An irregular sheet
-//! of 66 000 vertices takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
-//! ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
-//!
-//! The sweeps of a step take substeps × iterations × Σ elements × ns. A row keeps 16 bytes, λ and α̃. A whole run of a
-//! sheet with springs and hinges, 256 vertices a side, takes 1.6 kB of memory a vertex (`cloth-bench study scale`).
-//! With a second thread springs take 4.1 instead of 5.2 at 128 a side, and half the time of one thread from 181 a side
-//! (33 000 vertices) on; smaller sheets stay on one.
+//! On one thread of a 2-core AMD EPYC (Zen 3) a spring takes 5 to 6 ns a sweep, a quadratic hinge 8 to 13, on sheets of
+//! 64 to 1000 vertices a side ([table, and the rest of a step](XpbdSolver#what-a-step-costs)). The sweeps of a step
+//! take substeps × iterations × Σ elements × ns. A whole run of a sheet with springs and hinges, 256 vertices a side,
+//! takes 1.6 kB of memory a vertex (`cloth-bench study scale`). With a second thread springs take 4.1 instead of 5.2 at
+//! 128 a side, and half the time of one thread from 181 a side (33 000 vertices) on; smaller sheets stay on one.
 //!
 //! # Limits
 //! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ` zero, with
-//!   the gradients of the places where each correction was made; implicit Euler wants them at the end. The gap shrinks
-//!   with h, towards h⁴ (factors of 193 and 50, not yet 256, in the last line), and not with n. On a swinging chain of
-//!   ten links (0.1 m, 0.1 kg) converged sweeps leave these fractions of `G(x̃) − G*` (`cloth-bench study xpbd-floor`);
-//!   the direct solver leaves no more than rounding does:
+//! gradients of the places where each correction was made; implicit Euler wants them at the end. The gap shrinks with
+//! h, towards h⁴ (factors of 193 and 50, not yet 256, in the last line), and not with n. On a swinging chain of ten
+//! links (0.1 m, 0.1 kg) converged sweeps leave these fractions of `G(x̃) − G*`, G* the minimum
+//! (`cloth-bench study xpbd-floor`); the direct solver leaves no more than rounding does:
 //!
 //!   | Δt (s) | k = 200 N/m | k = 10⁴ N/m |
 //!   |---|---|---|
@@ -506,10 +505,12 @@
 //! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before
 //!   (`chapter/guide.rs`). Ringing is energy that a stop has left in springs: take more substeps, `energy_gain` or
 //!   damping. Rounding gives 10⁻¹⁶ of the positions over h, 1e-13 m/s at 1 m and 1/1200 s.
-//! - **Locking** comes from the mesh; converged sweeps have it as any method has. A bent sheet of V vertices and E
-//!   edges that cannot stretch has 3V − E motions, three more than its boundary has edges (one piece, no holes). So
-//!   stiff springs fold freely along lines of edges only, on fine meshes too. Remedies:
-//!   [`SpringLaw`](cloth_core::cloth::SpringLaw) and `cloth_core::dof`, with numbers.
+//! - **Locking** comes from the mesh; converged sweeps have it as any method has. By Euler's formula a sheet of V
+//!   vertices and E edges that cannot stretch (one piece, no holes) has 3V − E = B + 3 motions, B the edges of its
+//!   boundary. That is far fewer than the V numbers that a free choice of its shape would take, the more so the finer
+//!   the mesh. One motion each is a fold along a straight line of edges from boundary to boundary; a bend in most other
+//!   directions has to stretch springs. Remedies: [`SpringLaw`](cloth_core::cloth::SpringLaw) and `cloth_core::dof`,
+//!   with numbers.
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
@@ -536,13 +537,10 @@
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the same step in plain loops.
 //! 2. `solver.rs`: the loop, its cost; `solver/builder.rs`: elements; `config.rs`: settings, the rate of convergence.
-//! 3. `update.rs`: Δλ and damping. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
-//!    `families.rs` (the sweep), `../coloring.rs` (the colours), `motion.rs` (flight, velocities, contact),
-//!    `chebyshev.rs`.
+//! 3. `update.rs`: Δλ and damping. In `cloth-core/src/method`: `coloring.rs`; in its `position_based`: `correction.rs`
+//!    (one element), `families.rs` (the sweep), `motion.rs` (prediction, velocities, contact), `chebyshev.rs`.
 //! 4. `substeps.rs`, `refinement.rs`, `forces.rs`, `links.rs` with `examples/rigid_links.rs`.
-//! 5. `direct.rs` and its folder: `solver.rs` (the loop), `rows.rs` (C, J, k), `kkt.rs` (the system), `saddle.rs` with
-//!    `minres.rs`, and `schur.rs` (its solvers), `linear.rs` (refinement), `merit.rs`, `line_search.rs`, `contact.rs`,
-//!    `readout.rs`.
+//! 5. `direct.rs`, which names the files of its folder.
 //! 6. `single.rs` and its folder.
 //!
 //! `tests/all/chapter.rs` and its folder test what this page claims; its head lists the closed forms that the solver

@@ -14,9 +14,11 @@
 //! many substeps, and the next one begins with as many. If over 0.8 of the gain is left, more substeps do not help, and
 //! the step is accepted.
 //!
-//! Where the sum is below half of that bound, the next step begins with fewer by √2. A step that has to be repeated for
-//! that goes back to as many as before, which are then kept for a step, after the next failure for two, then for four
-//! and so on: cloth that lies in folds needs as many for long, and each try with fewer is lost.
+//! Where the sum is below half of that bound, the next step begins with fewer substeps, by a factor of √2. If that step
+//! then has to be repeated, it is repeated with the number before. After any repeated step its number is kept for a
+//! while before fewer are tried again: for one step at first, then for twice as many after each further failure, up to
+//! 16. A smaller number that succeeds sets this back to one. Cloth that lies in folds needs many substeps for long, and
+//! each failed trial of fewer costs a step.
 //!
 //! The scale is, with W the work of the formula above,
 //!

@@ -15,37 +15,31 @@ use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
 /// Extended position-based dynamics; see the [crate documentation](crate).
 ///
 /// # What a step costs
-/// Counted from the loops. An element of N vertices and M rows moves its own size and 4 N bytes of vertex numbers,
-/// 32 M bytes for λ and α̃ (16 read and written), and 56 N (24 for x, read and written, and 8 for w). Operations are
-/// sums, products, quotients and roots:
+/// **A sweep**, in ns per element, on one thread of a 2-core AMD EPYC (Zen 3) with AVX2, plain release build
+/// (`cargo bench -p benches --bench sweeps`, the smallest sample of each):
 ///
-/// | element | bytes | operations | of these |
-/// |---|---|---|---|
-/// | spring, one row | 24 + 8 + 32 + 112 = 176 | 33 | one root, one quotient |
-/// | quadratic hinge, three rows | 56 + 16 + 96 + 224 = 392 | 81 | three quotients |
+/// | vertices a side | springs | quadratic hinges | springs, single precision (`single::SingleXpbd`) | springs, naive loop |
+/// |---|---|---|---|---|
+/// | 64 | 5.2 | 7.9 | 2.5 | 13.4 |
+/// | 128 | 5.2 | 8.0 | 2.5 | 13.5 |
+/// | 256 | 5.5 | 10.4 | 2.5 | 13.6 |
+/// | 512 | 5.4 | 10.4 | | 13.4 |
+/// | 1000 | 6.1 | 12.9 | | 13.6 |
 ///
-/// That is one operation for five bytes. Over the [times of a sweep](crate#what-a-sweep-costs) at 64 vertices a side it
-/// makes 34 GB/s and 6 Gflop/s for springs, 50 GB/s and 10 Gflop/s for hinges. So in the cache springs are not bound by
-/// bytes. What takes the time is the chain of each: load, root, quotient, store. Those of a colour do not wait for one
-/// another; a loop in the order of the vertices takes 2.6 times as long, over about as many bytes. Single precision,
-/// four springs at a time and half the bytes, takes half as long. Hinges are nearer to the limit of the cache. Where
-/// the cloth is larger than that, a spring takes at least 83 bytes from memory, its 64 and a third of the 56 of a
-/// vertex; sweeping [block by block](crate#the-step) keeps the vertices of a block in the cache.
+/// What takes the time is the chain of load, root, quotient and store of each spring. The naive loop visits springs in
+/// the order of their vertices, each waiting for the one before it; those of a colour do not wait for one another.
+/// Vertices should be numbered along the mesh, or sorted by
+/// [`Order::morton`](cloth_core::method::ordering::Order::morton).
 ///
-/// **The rest of a substep**, without contact, damping and extrapolation, is 248 bytes and 21 operations a vertex (152
-/// bytes for x̃ and its copy, 96 for the velocities) and 32 bytes a row, to set λ to zero. The alternating grid has
-/// about three springs and three hinges a vertex, so twelve rows: 632 bytes beside the 1704 of one sweep. At the 50
-/// GB/s of hinges that is 13 ns a vertex, beside `3 (5.2 + 7.9) = 39` ns. So a step of V vertices in s substeps of n
-/// sweeps takes at most some `s V (39 n + 13)` ns on that machine, and the whole is linear in V for given s and n. What
-/// begins and ends a step (copies of x and v, a test of all numbers) is some 300 bytes a vertex, once. On another
-/// machine the sheet of 64 × 64 under [when not to use](crate#when-not-to-use-this-method) takes
-/// `44 ms/(177 · 4096) = 61` ns a vertex and substep, all in.
+/// **The rest of a substep**, without contact, damping and extrapolation: x̃ and its copy, the velocities, and λ set to
+/// zero. So a step of V vertices in s substeps of n sweeps takes about `s V (a n + b)` ns, linear in V for given s and
+/// n.
 ///
-/// **The two parts measured** (2 cores of an Intel Xeon VM, commit 3158c95, median of 60 steps,
+/// **a and b measured** (2 cores of an Intel Xeon VM, commit 3158c95, median of 60 steps,
 /// `cargo run --release -p cloth-bench -- run hang --n 64 --steps 60 --method xpbd --threads 1` with
 /// `--set energy_gain=none --set substeps=177 --set iterations=1`, and 2): a step takes 39.8 ms with one sweep a
-/// substep, 73.1 ms with two. The difference is 188 µs a sweep, and what is left of a substep 37 µs: 46 and 9 ns a
-/// vertex, of 4096. So a substep with its one sweep costs 1.2 times what one more sweep does.
+/// substep, 73.1 ms with two. The difference is 188 µs a sweep, and what is left of a substep 37 µs: a = 46 and b = 9,
+/// of 4096 vertices. So a substep with its one sweep costs 1.2 times what one more sweep does.
 #[derive(Debug)]
 pub struct XpbdSolver {
     pub(crate) motion: Motion,

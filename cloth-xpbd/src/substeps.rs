@@ -22,15 +22,17 @@
 //! stiffnesses from 10⁴ N/m on, were strained by 0.3 to 1.4 times that. On an irregular mesh l is the first
 //! percentile of edge lengths.
 //!
-//! A third load lasts: **the tension** T (N/m) of cloth that is blown up, `p R/2` of a sphere, or `F/w` where a force F
-//! (N) pulls on a width of w (m). An edge there pulls with `T l`, which the sweeps of a substep leave as a strain of
+//! A third load lasts: **the tension** T (N/m) of an inflated piece, `p R/2` of a sphere, or `F/w` where a force F (N)
+//! pulls on a width of w (m). An edge there pulls with `T l`, which the sweeps of a substep leave as a strain of
 //! `0.65 T h²/m`. (Measured, as root mean square of all edges: spheres of 0.2 to 1 m with gas inside, 362 and 1442
 //! vertices, at rest: 0.56 to 0.87; square sheets pulled at an edge, 169 and 625 vertices: 0.5 to 0.6.) It does not
-//! pass, as a swing or an impact does, and cloth is longer by it for ever. The springs themselves yield to T by about
-//! half of `T/k`, so the sweeps may add a fiftieth of `T/k`: 4 % of what the material does. That is `h² = 0.03 m/k`,
-//! whatever T is, a quarter of the substep at which sweeps yield as much as springs do. Where it would be less than
-//! 1/5000 of the wanted strain, and where there are no springs or hard ones, other bounds hold: that, and a fiftieth of
-//! the wanted strain.
+//! pass, as a swing or an impact does: cloth stays longer by it. The springs themselves yield to T by about half of
+//! `T/k`. So what the sweeps may add is
+//!
+//! - a fiftieth of `T/k`, 4 % of what the springs do, with the largest k of the springs. That is `h² = 0.03 m/k`,
+//!   whatever T is: a fifth of the h at which sweeps yield as much as springs do;
+//! - or 1/5000 of the wanted strain, where that is more;
+//! - a fiftieth of the wanted strain instead, where a spring is hard (k = ∞) or all have k = 0.
 //!
 //! For the first two loads no substep is shorter than the h at which `k h² (w₁ + w₂) = 1`. With shorter ones the
 //! springs themselves yield more than unconverged sweeps do, so a soft cloth is as long as its k makes it. Nor is a
@@ -71,15 +73,31 @@ const SHORT_EDGES: usize = 100;
 /// Twenty substeps leave 54 % at 33 × 33 and 272 % at 64 × 64 by two corners, at the worst moment of the swing.
 ///
 /// **What a substep costs** beside its sweeps: one pass over the vertices for x̃, one for the velocities, one over the
-/// rows to set λ to zero ([counted](crate::XpbdSolver#what-a-step-costs)); with damping one more over the rows, for C⁰.
-/// Contact is detected once a substep, but a shorter displacement meets less: for a sheet of 64 × 64 vertices that may
-/// touch itself, nine times as many substeps took twice the time of contact
-/// (`cloth-bench run hang --n 64 --steps 20 --method xpbd --set self=yes --set energy_gain=none --set substeps=20`, and
-/// 177).
+/// rows to set λ to zero ([measured](crate::XpbdSolver#what-a-step-costs)); with damping one more over the rows, for
+/// C⁰. Contact is detected once a substep, but a shorter displacement meets less: for a sheet of 64 × 64 vertices that
+/// may touch itself (`cloth-bench run hang`, with `self=yes`), nine times as many substeps took twice the time of
+/// contact.
+///
+/// # Against the closed form
+/// The [closed form of a chain](crate#how-many-substeps-how-many-iterations) and what is measured
+/// (`cloth-bench study sag --tables`; 24 edges of 1/24 m, rigid springs, one sweep per substep, at rest), in multiples
+/// of the predicted mean strain:
+///
+/// | hung by | sweep | mean strain | largest strain |
+/// |---|---|---|---|
+/// | chain, its end | from the support | 1.00 | 2.0 |
+/// | chain, its end | coloured | 1.04 | 3.8 |
+/// | sheet, an edge | coloured | 0.79 | 4.3 |
+/// | sheet, two corners, predicted 0.3 % or less | coloured | 3.0 to 3.2 | 11 or 35, by the diagonals at the corners |
+/// | sheet, two corners, predicted 0.9 % | coloured | 13 | 100 |
+///
+/// To use that form for two corners, divide the wanted mean strain by three before, and never put in more than 0.3 %:
+/// beyond, the edges at the corners yield. For a bound on the *worst* edge divide by four (held by an edge) or 10 to 40
+/// (corners).
 ///
 /// # With contact
-/// A sheet of 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a ball of 0.1 m, with friction,
-/// `cloth-bench run ball.toml --steps 60 --method xpbd --set energy_gain=none --set substeps=20` on the file
+/// A sheet of 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a ball of 0.1 m, with friction and without
+/// `energy_gain`, for 60 steps of `cloth-bench run ball.toml --method xpbd` on the file
 ///
 /// ```toml
 /// mesh = [{ generator = "grid:64x64:alternating", translate = [-0.5, -0.5, 0.15] }]

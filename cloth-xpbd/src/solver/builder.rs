@@ -40,6 +40,15 @@ use cloth_core::step::BuildError;
 /// nothing: a triangle shrunk to a point, a hinge without a wing. Nor does one between prescribed vertices; if it is
 /// soft, its λ becomes −C/α̃, h² times the force on them.
 ///
+/// **k of a spring from Y** (N/m), on the alternating grid of squares of side a. In a sheet under the plane strain ε a
+/// spring of length L along the unit vector n is strained by nᵀεn, and stores `½ k L² (nᵀεn)²`. To a square belong one
+/// spring of length a along each axis and, in the mean, half a diagonal of length √2 a in each of the two directions.
+/// So `k L²` is k a² in each of four directions 45° apart, and over these the mean of `(nᵀεn)²` is that over all
+/// directions, `((tr ε)² + 2 ε:ε)/8`. The energy per area is `½ · 4k` times that, `¼ k ((tr ε)² + 2 ε:ε)`. Plane stress
+/// has `½ Y/(1 − ν²) ((1 − ν) ε:ε + ν (tr ε)²)`, which is the same for ν = 1/3 and Y = 4k/3. So k = ¾ Y, half of it on
+/// the boundary, where a spring belongs to one square and not two, and the shear modulus is `Y/(2 (1 + ν))` = ⅜ Y.
+/// [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) has k for every mesh.
+///
 /// **Area.** oᵢ is the edge opposite to vertex i, run through in the order x₀, x₁, x₂: `o₀ = x₂ − x₁`, `o₁ = x₀ − x₂`,
 /// `o₂ = x₁ − x₀`, which sum to zero. `n = (x₁ − x₀) × (x₂ − x₀)/(2A)` is the unit normal. So `n × oᵢ` is at right
 /// angles to that edge and points from it to vertex i: A grows where the vertex moves away from the edge.
