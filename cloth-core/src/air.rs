@@ -23,7 +23,8 @@
 //! - cloth that is held feels all of the pressure, whatever the step: v = v₀ = 0, and nothing of F is lost;
 //! - cloth that is free comes nearer to the velocity of the air, and never gets beyond it: the part of u along n, and
 //!   the part across it where C_L ≤ C_D, shrink in a step of any length and keep their signs;
-//! - the energy that comes to rest in a steady wind stays what the wind has pushed it to.
+//! - cloth that has come to rest in a steady wind is where its elastic forces balance the pressure, whatever the step:
+//!   v = v₀ = 0 there, so D does nothing.
 //!
 //! Implicit methods have the term `½ (v − v₀)ᵀ D (v − v₀) h` in what they minimise, explicit ones divide by `I + h
 //! D/m`, and methods with sweeps project every vertex on it, as XPBD does a constraint of the stiffness D/h

@@ -221,9 +221,10 @@ impl ClothModel {
             .collect()
     }
 
-    /// Adds elements that do not come from the mesh: [`Elements::Links`], [`Elements::SoftPins`] and stitches; empty
-    /// families are dropped. Whether their vertices exist is checked where the energies or a solver are built. Elements
-    /// of another kind are added too, but are none of the [`ClothModel::fastenings`].
+    /// Adds *fastenings*, elements that hold the cloth to something and do not come from its mesh: [`Elements::Links`],
+    /// [`Elements::SoftPins`] and stitches; empty families are dropped. Whether their vertices exist is checked where
+    /// the energies or a solver are built. Elements of another kind are added too, but are none of the
+    /// [`ClothModel::fastenings`].
     pub fn fasten(&mut self, fastenings: impl IntoIterator<Item = Elements>) {
         for fastening in fastenings {
             if !fastening.is_empty() {

@@ -103,8 +103,9 @@ pub trait ContactSource {
         true
     }
 
-    /// Number of vertices whose displacement the last step has truncated: they are safe, but behind where contact
-    /// should let them go, and have lost momentum for it. 0 for a source that does not do that.
+    /// How often the last step has truncated the displacement of a vertex: it is safe then, but has not gone as far as
+    /// contact would let it, and has lost momentum. A vertex may be counted anew in each round of each substep, so the
+    /// sum can be more than there are vertices. 0 for a source that does not do that.
     fn truncated_count(&self) -> usize {
         0
     }

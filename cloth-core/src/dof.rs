@@ -46,29 +46,17 @@
 //! costs its links anything; but what stretches over a few edges only hardly meets it. Midpoints are for those who need
 //! the membrane as it is.
 //!
-//! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16, and no fold
-//! of 64 cells a side, at 10⁶ N/m, reaches less than 1.00 (without `--quick`). The cone says what the remedies
-//! do to an irregular mesh, the worst, with 32 cells a side and 10⁸ N/m: springs 1.78 times the energy of an
-//! inextensible sheet, StVK 2.58, ARAP 2.75; weaker springs under compression 1.03, a fifth of the coordinates free
-//! 1.04, quads 0.99, slack 0.86, midpoints 0.74. Midpoints stay below 1 on every mesh, because triangles that are
-//! joined at one point can bend where a sheet could not.
+//! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16. Midpoints
+//! stay below 1 on every mesh, because triangles that are joined at one point can bend where a sheet could not. On a
+//! sphere, which is not developable, a stiff sheet stands off whatever the mesh: that is the cloth more than locking.
+//! The method does not matter as long as it solves the cloth it is given. PBD, whose stiffness is not that of the
+//! cloth, reaches another fold at any number of iterations.
 //!
-//! Where nothing is developable, on a sphere of 0.3 m, a stiff sheet stands off: the corners of an alternating sheet of
-//! 16 cells, held in the middle, come down 0.53 m at 10³ N/m and 0.46 m at 10⁵. Finer meshes change little in that, so
-//! it is the cloth more than the mesh: each beginning where the coarser one came to rest, they come down 0.50 m and
-//! 0.46 m with 128 cells a side. Stiff sheets have many shapes to end in (by implicit Euler one of 0.37 m), soft ones
-//! few. The patterns differ by more: of what it does at 10³ N/m, a crossed sheet of 16 cells keeps 0.70 at 10⁵, an
-//! alternating one 0.87.
-//!
-//! The method does not matter to locking as long as it solves the cloth it is given: implicit Euler and PD reach the
-//! same fold, to 0.1 % of its bending with 16 cells a side and to 2 % with up to 128. PBD reaches another at any number
-//! of iterations from 5 to 1280 (6.5 to 5.4 times the bending), since its stiffness is not that of the cloth.
-//!
-//! The edge length `l* = (702 D R²/Y)^¼` at radius R is where springs with all vertices on the surface store as much as
-//! the hinges. The reason: an edge at the angle φ to the curved direction of a cylinder is a chord, shorter than its
-//! arc by the strain `ε = l² cos⁴ φ/(24 R²)`. Equilateral springs store `½ Y Σ ε²` per area, summed over the three
-//! directions of edges, and `Σ cos⁸ φ` is 105/128 in the mean over all φ. Hinges store `½ D/R²`, so
-//! `702 ≈ 24²·128/105`.
+//! At what size of edges does a mesh lock? A sheet that is bent to a cylinder of radius R, with all of its vertices on
+//! that surface, stores in its springs as much as in its hinges at the edge length `l* = (702 D R²/Y)^¼`. The reason:
+//! an edge at the angle φ to the curved direction of a cylinder is a chord, shorter than its arc by the strain `ε = l²
+//! cos⁴ φ/(24 R²)`. Equilateral springs store `½ Y Σ ε²` per area, summed over the three directions of edges, and `Σ
+//! cos⁸ φ` is 105/128 in the mean over all φ. Hinges store `½ D/R²`, so `702 ≈ 24²·128/105`.
 //!
 //! It is confirmed for equilateral triangles on a cone, with 16 to 128 cells a side and Y from 10³ to 10⁸ N/m, to 6 %,
 //! as long as they stay on it. A sheet between clamps leaves the surface and gets rid of all but 2 % of that, so l* is

@@ -206,10 +206,13 @@ pub trait Energy<const N: usize>: Element<N> {
     /// `∂²E/∂xᵢ∂xⱼ` (N/m).
     fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N>;
 
-    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], of a mixed method, whose unknowns are positions and forces:
-    /// its curvature is not that of the force at `x`, but of the one that the constraint linearised at `from` (m) has
-    /// at `to` (m); see [`Constraint::mixed_curvature`]. The quasi-Newton method of `cloth-massspring` begins every
-    /// step with it. An energy that predicts no force gives its Hessian at `x`.
+    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], for a *mixed* method.
+    ///
+    /// Such a method has the forces as unknowns beside the positions. In an iteration that goes from `from` to `to`
+    /// (m) they do not follow the constraint, but its linearisation: the force is `k (C(from) + ∂C(from)·(to − from))`.
+    /// The curvature `Σ k C ∂²C` of the Hessian is taken with that force, in the place of the one at `x`
+    /// ([`Constraint::mixed_curvature`]). The quasi-Newton method of `cloth-massspring` begins every step with it. An
+    /// energy that predicts no force gives its Hessian at `x`.
     #[inline]
     fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         let _ = (from, to);
@@ -290,7 +293,8 @@ pub trait Constraint<const N: usize>: Element<N> {
         RowForm::General
     }
 
-    /// The rows at `x` (m) as they are without their dead zones, if they have such: see [`DeadZoneRow`].
+    /// The rows at `x` (m) as they are without their dead zones, if they have such. A dead zone is a range of values in
+    /// which a row is zero and nothing acts, such as the lengths that a slack spring leaves free: see [`DeadZoneRow`].
     /// [`Constraint::rows`] are then their [`DeadZoneRow::row`]. An element whose rows vanish beyond one side, a limit
     /// or a contact, has to say so here, or a sweep with multipliers cannot make it inactive again.
     #[inline(always)]

@@ -32,7 +32,8 @@
 //! A cloth is a set of vertices with masses and a sum of small elastic energies, each on a few vertices: a spring on
 //! two, a hinge on four. Methods differ in what they do with an energy. One needs its gradient, another its Hessian, a
 //! third the constraint behind it, a fourth the nearest undeformed shape. So an element is written once, as a small
-//! struct, and shows each method the view it asks for ([`element`]). What an element cannot show does not compile.
+//! struct, and each of these *views* of it is a trait that it implements ([`element`]). A method that asks for a view
+//! that the element does not have does not compile.
 //!
 //! With positions `x` (m), velocities `v` (m/s), lumped masses `M` (kg), forces from outside `f` (N: weight, air) and
 //! the elastic energy `E(x)` (J), every method advances
@@ -80,6 +81,8 @@
 //! # Limits
 //!
 //! - Stiff edges *lock* a mesh: how much of a fold each membrane, mesh and remedy leaves is measured in `dof`.
+//! - No element damps: there is no material damping (Rayleigh) here. What damps is the integrator, as above, and what a
+//!   method adds to it: `cloth-massspring` and `cloth-xpbd` have settings for that.
 //! - Double precision throughout; the scalar is chosen in [`math`] and nowhere else.
 //! - Cloth is isotropic: one modulus, one rigidity, no warp and weft. Of shear, only [`cloth::Discretization`] has a
 //!   stiffness of its own, for rectangular cells. The stretch and shear conditions of Baraff and Witkin are not among

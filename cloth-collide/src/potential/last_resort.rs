@@ -14,15 +14,15 @@
 //! the detection after it: 40 rounds go through a stack of about as many layers. Zones grow by the pairs that their
 //! rigid motion brings too near. Where they still do after 20 rounds, truncation takes over, which is sure to end.
 //!
+//! Bridson et al. 2002 (see the [chapter](super#references)) take three stages after each step: repulsions, impulses,
+//! rigid impact zones (Provot 1997, see the [crate](crate#references)). Here the potential in the solve takes the place
+//! of repulsions; pushes and zones run only where it was not enough.
+//!
 //! # Bodies
 //!
 //! A vertex that starts at the signed distance f > 0 of a body keeps f/10, or h/10 if that is less, but for a tolerance
 //! of h/100. One that starts inside may end deeper by h/100. So one that starts nearer than h/10 may end inside, by
 //! h/100 at most, and may sink by as much in each further substep that the last resort ends.
-//!
-//! Bridson et al. 2002 (see the [chapter](super#references)) take three stages after each step: repulsions, impulses,
-//! rigid impact zones (Provot 1997, see the [crate](crate#references)). Here the potential in the solve takes the place
-//! of repulsions; pushes and zones run only where it was not enough.
 
 use super::bodies::Substep;
 use super::constraints::KEPT;

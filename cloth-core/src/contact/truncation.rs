@@ -45,8 +45,10 @@ impl FadingTruncation {
 
     /// Truncates the displacements of vertices on their straight paths from `from` to `to` (m) until all paths
     /// together are safe, as [`limit_each`](ContactPotential::limit_each) does, but fading: what is taken of the paths
-    /// of two neighbours differs by at most 3 % of their distance. `neighbours(v)` are those of vertex v; of two
-    /// neighbours it is enough if one has the other. Does not allocate after the first call.
+    /// of two neighbours is made to differ by at most 3 % of their distance. A vertex that is cut for that may be in
+    /// the way of another, so `limit_each` is called a second time. What it cuts then is not faded any more: there two
+    /// neighbours may differ by more. `neighbours(v)` are those of vertex v; of two neighbours it is enough if one has
+    /// the other. Does not allocate after the first call.
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].

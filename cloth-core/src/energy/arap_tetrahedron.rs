@@ -158,8 +158,9 @@ impl Constraint<4> for ArapTetrahedron {
     }
 
     /// Six orthonormal modes of F, for each pair of axes: `(uᵢvⱼᵀ − uⱼvᵢᵀ)/√2` with `1 − 2/(σᵢ + σⱼ)`, and
-    /// `(uᵢvⱼᵀ + uⱼvᵢᵀ)/√2` with 1, all times `2 μ V`. They are its eigenvalues, so `convexity` acts on them one by
-    /// one.
+    /// `(uᵢvⱼᵀ + uⱼvᵢᵀ)/√2` with 1, all times `2 μ V`. The derivation is that of the modes in the plane of an
+    /// [`ArapTriangle`](super::ArapTriangle#hessian), for each pair of axes. They are its eigenvalues, so `convexity`
+    /// acts on them one by one.
     fn curvature(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
         let singular = Singular::of(&self.map(x));
         let mut sum = [[Mat3::zeros(); 4]; 4];

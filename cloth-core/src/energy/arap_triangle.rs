@@ -19,6 +19,22 @@ use crate::mesh::TriMesh;
 /// Poisson's ratio ν = 0, in any direction: pulled to s times its length it answers with `P = Y (s − 1)` (N/m) and
 /// keeps its width.
 ///
+/// # Hessian
+///
+/// Let `F = U Σ Vᵀ`, R the nearest map without strain, and S symmetric with `F = R S` (so S has the eigenvalues σ and
+/// the eigenvectors v). Along a displacement δF the gradient `A k (F − R)` changes by `A k (δF − δR)`, so what is
+/// needed is δR. As R keeps its columns orthonormal, `Ω = RᵀδR` is antisymmetric. From `δF = δR S + R δS`:
+///
+/// - *In the plane*, `RᵀδF = Ω S + δS`. The symmetric δS drops out of the antisymmetric part: with `G = Vᵀ(RᵀδF)V` it
+///   is `Gᵢⱼ − Gⱼᵢ = Ωᵢⱼ (σᵢ + σⱼ)`, Ω in the same axes. A symmetric G has no δR, so its eigenvalue is 1. The
+///   antisymmetric one has `Ω = G · 2/(σᵢ + σⱼ)`, so its eigenvalue is `1 − 2/(σᵢ + σⱼ)`.
+/// - *Out of the plane*, with the normal u₃ and `u₃ᵀR = 0`, it is `u₃ᵀδF = u₃ᵀδR S`. Along vₖ that is `u₃ᵀδR vₖ =
+///   u₃ᵀδF vₖ/σₖ`, so the eigenvalue is `1 − 1/σₖ`.
+///
+/// These modes of δF are orthonormal and diagonalise the Hessian by F. The modes `uₖvₖᵀ`, of eigenvalue 1, are those of
+/// the rows (`Σ ∂C ∂Cᵀ`); [`Constraint::curvature`] has the others. Below rest (σ < 1) those that turn are negative: a
+/// triangle that is pressed can give way by turning.
+///
 /// Limits: ν = 0 only. Where a singular value is zero its direction is not defined (any is taken that is at right
 /// angles to the other), and what has no second derivative there is left out of the Hessian.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +137,8 @@ impl Constraint<3> for ArapTriangle {
 
     /// Four orthonormal modes of F, with u₃ the normal: the twist `(u₁v₂ᵀ − u₂v₁ᵀ)/√2` with `1 − 2/(σ₁ + σ₂)`, the flip
     /// `(u₁v₂ᵀ + u₂v₁ᵀ)/√2` with 1 (both after Smith et al. 2019), and, out of the plane, `u₃vₖᵀ` with `1 − 1/σₖ`, all
-    /// times `A k`. They are its eigenvalues, so `convexity` acts on them one by one.
+    /// times `A k` (derived at [`ArapTriangle`](ArapTriangle#hessian)). They are its eigenvalues, so `convexity` acts
+    /// on them one by one.
     fn curvature(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
         let singular = Singular::of(self.map.columns(x));
         let [u, v] = singular.left;

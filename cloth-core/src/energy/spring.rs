@@ -82,7 +82,7 @@ impl Spring {
 /// zero; the faster form keeps the direction of those down to 10⁻¹⁴⁵ m.
 const SHORTEST_SQUARED: Real = 1e-290;
 
-/// Length and direction where the square of the length underflows: seldom needed, and kept out of the way of the loops.
+/// Length and direction where the square of the length underflows: seldom needed, so it is kept out of line.
 #[cold]
 #[inline(never)]
 fn lost(d: Vec3, vertices: [u32; 2]) -> (Real, Vec3) {
@@ -139,8 +139,7 @@ impl Constraint<2> for Spring {
         let squared = d.norm_squared();
         let mut length = squared.sqrt();
         let mut value = length - self.rest_length;
-        // One comparison with a normal number: one with 0, subnormal numbers or NaN becomes a test of bits, several
-        // times as long.
+        // One comparison with a normal number: one with 0, subnormal numbers or NaN becomes a slow test of bits.
         if squared < SHORTEST_SQUARED {
             let shortest;
             (shortest, d) = lost(d, self.vertices);

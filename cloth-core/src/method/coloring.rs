@@ -17,7 +17,7 @@
 //! |---|---|---|
 //! | 1 | all vertices in one block | blocks |
 //! | 2 | of the others: all vertices in one block, the blocks shifted by half | shifted blocks |
-//! | 3, 4, … | the rest, colour by colour | single elements |
+//! | 3, 4, … | the rest, a colour in each | pieces of up to 1024 elements of the colour |
 //!
 //! With numbers that keep neighbours close ([`crate::method::ordering`]) few elements are left for the third stage, and
 //! a thread gets whole blocks.

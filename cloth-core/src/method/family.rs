@@ -415,14 +415,18 @@ impl Energies {
     }
 
     /// The same for an approximation with fewer blocks, for preconditioners: pairs of vertices that only elements of
-    /// more than three vertices couple, the wing tips of hinges, are *lumped*. Their block is added to the diagonal
-    /// blocks of both vertices instead: `x₂ᵀB x₃` becomes `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`, which is the same for a translation
-    /// and no less for any other displacement if `B` is positive semi-definite. If it is not, its symmetric part is
-    /// raised by a multiple of the identity that makes it so where its rank is one or two. A vertex that has no other
-    /// elements keeps its pairs. Elements with [numerical
-    /// eigenvalues](crate::element::Element::HAS_NUMERICAL_EIGENVALUES) are taken by [`Convexity::GaussNewton`],
-    /// whatever is asked for: the eigenvalues of dihedral hinges take five times as long as the rest of an implicit
-    /// step, which has as many iterations without (a sheet of 32 × 32 vertices, from 10⁻⁷ to 10⁻³ N·m).
+    /// more than three vertices couple, the wing tips of hinges, are *lumped*. (Lumped masses are another thing:
+    /// [`Particles`](crate::particles::Particles) has them.)
+    ///
+    /// - The block B of such a pair is added to the diagonal blocks of both vertices instead: `x₂ᵀB x₃` becomes
+    ///   `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`. The difference is `½ (x₂ − x₃)ᵀB (x₂ − x₃)`: nothing for a translation, and not
+    ///   negative for any other displacement if B is positive semidefinite.
+    /// - If B is not, the symmetric part of B is taken, plus a multiple of the identity: that which takes away the
+    ///   negative eigenvalue of a block of rank one or two, such as `½ (a bᵀ + b aᵀ)` of one constraint.
+    /// - A vertex that has no other elements keeps its pairs.
+    /// - Elements with [numerical eigenvalues](crate::element::Element::HAS_NUMERICAL_EIGENVALUES) are taken by
+    ///   [`Convexity::GaussNewton`], whatever is asked for: their eigenvalues cost more than all else, and do not save
+    ///   iterations.
     #[must_use]
     pub fn lumped_assembly(&self) -> Assembly {
         let mut builder = PatternBuilder::new(self.vertex_count);

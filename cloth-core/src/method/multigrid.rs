@@ -27,6 +27,30 @@
 //! The cycle is a symmetric positive definite operator, so conjugate gradients and quasi-Newton methods can build on
 //! it. It is computed in single precision: it only has to be near the inverse, what is iterated around it is not.
 //!
+//! # Why the number of vertices does not matter
+//!
+//! Take two levels, the error e, its energy `‖e‖²_A = eᵀA e`, the diagonal blocks D of A, and `M = D + L` (where a
+//! level is one chunk; `level` has the others). Two facts bound what a correction and the sweep after it leave (after
+//! Ruge and Stüben, cited in `coarsening`):
+//!
+//! 1. *Smoothing.* A sweep of Gauss–Seidel makes `e − M⁻¹A e` of e. Since `M + Mᵀ = A + D`, that takes `‖M⁻¹A e‖²_D`
+//!    from the energy, which is at least `σ ‖A e‖²` in the norm of D⁻¹. Here `σ = 1/‖D^−½ M D^−½‖²`, for which the
+//!    number of neighbours of a vertex is a bound. So a sweep takes much where the residual A e is large beside the
+//!    error: from rough errors.
+//! 2. *Approximation.* Some coarse y has `‖e − P y‖²_D ≤ τ ‖e‖²_A`: an error of little energy changes little from a
+//!    vertex to its parents, and is interpolated well. τ depends on how far away these are, in edges, and not on how
+//!    many vertices there are.
+//!
+//! The best correction leaves an e with `eᵀA P y = 0` for all y. So `‖e‖²_A = eᵀA (e − P y)`. That is at most the norm
+//! of A e by D⁻¹ times the norm of e − P y by D, which by 2 is at most `√τ ‖e‖_A` for the right y. So `‖A e‖²` by D⁻¹
+//! is at least `‖e‖²_A/τ`: the residual is large, and by 1 the sweep leaves no more than `1 − σ/τ` of the energy, on a
+//! mesh of any size.
+//!
+//! A cycle over more levels solves the coarse equation by a cycle and not exactly. For a rate of that the approximation
+//! has to be better than 2; it is not proved here. The test `the_number_of_iterations_hardly_grows_with_the_mesh` has
+//! conjugate gradients around the cycle: at most 80 iterations to 10⁻⁸ on all of its sheets, and from 17 × 17 to 129 ×
+//! 129 vertices at most twice as many.
+//!
 //! # References
 //!
 //! - A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31, 1977,

@@ -269,9 +269,9 @@ unsafe fn visit_part<const BACK: bool, const N: usize, E, A, P: Copy>(
     unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
 }
 
-/// [`visit_each`] in the instructions of newer processors, with the same bits, if `visit` is inlined: a twentieth
-/// faster. Above all, a root does not wait there for whatever its target register held before. In the older
-/// instructions it does unless the compiler takes care, which can make one chain of all elements and double the time.
+/// [`visit_each`] in the instructions of newer processors, with the same bits, if `visit` is inlined. A root does not
+/// wait there for whatever its target register held before. In the older instructions it does unless the compiler
+/// takes care, which can make one chain of all elements.
 ///
 /// # Safety
 /// That of [`visit_each`], and the processor has AVX2.

@@ -1,9 +1,9 @@
 //! Which vertices make the next coarser level, and how the others are interpolated from them.
 //!
-//! The coarse vertices are an independent set of the graph of strong couplings, and of neighbours across a common one
-//! that are near (J. W. Ruge, K. Stüben,
-//! "Algebraic multigrid", in *Multigrid Methods*, SIAM 1987, <https://doi.org/10.1137/1.9781611971057.ch4>, section
-//! 4.6). The weights are not taken from the matrix, which changes all the time, but from the rest positions.
+//! The coarse vertices are chosen so that no two of them are strongly coupled, nor are both strongly coupled to a third
+//! vertex while they lie almost as near to each other as neighbours do (J. W. Ruge, K. Stüben, "Algebraic multigrid",
+//! in *Multigrid Methods*, SIAM 1987, <https://doi.org/10.1137/1.9781611971057.ch4>, section 4.6). The weights are not
+//! taken from the matrix, which changes all the time, but from the rest positions.
 
 use super::prolongation::Prolongation;
 use super::weights::linear_weights;
@@ -14,8 +14,8 @@ pub(super) type Graph = Vec<Vec<(u32, Real)>>;
 
 /// A coupling weaker than this fraction of a vertex's strongest does not count.
 const STRONG: Real = 0.25;
-/// How far a vertex may lie from the weighted mean of its parents, relative to their mean distance, before more distant
-/// ones are taken too.
+/// How far aside of its parents a vertex may lie: its distance from their weighted mean, relative to their mean
+/// distance. Beyond it more distant ones are taken too.
 const ASIDE: Real = 0.05;
 /// Two coarse vertices with a common neighbour are at least this many mean edge lengths apart.
 const CLOSE: Real = 1.45;

@@ -67,8 +67,16 @@ impl RankOne {
         self.index(is_free.len());
     }
 
-    /// Takes over those of a finer level. Those between the same two vertices, by their largest weights, and with
-    /// nearly the same normal are one from here on: with their mean w and n by stiffness, and as much of a trace.
+    /// Takes over those of a finer level, and merges some: those between the same two coarse vertices, where their
+    /// weights of either sign are largest, whose normals are nearest to the same axis. Let `Jᵢ = wᵢ nᵢ`, w the weights
+    /// on this level. The merged one has the mean w and the mean direction n, both weighted by the stiffnesses kᵢ (and
+    /// with signs that make the nᵢ agree), and the stiffness k with which `k ‖w‖²` is `Σ kᵢ ‖wᵢ‖²`, the trace of the
+    /// sum.
+    ///
+    /// If all w and n are alike that is the sum itself. If they are not, what they hold across the mean is counted
+    /// along it: the trace, so the sum of the eigenvalues, stays. Such a level may be off by that, but `k J Jᵀ` is
+    /// positive semidefinite, so the cycle stays a preconditioner; the finest level, and what is iterated around the
+    /// cycle, have all of them as they are. An error here costs iterations, not accuracy.
     pub(super) fn restrict(&mut self, fine: &Self, prolongation: &Prolongation) {
         self.clear();
         let mut groups = std::mem::take(&mut self.groups);

@@ -77,9 +77,9 @@ pub(super) struct Coarsening {
     pub(super) boundary_links: Vec<[u32; 2]>,
 }
 
-/// Leaves out as many vertices as it can in one go, so that each of them has at least `parent_count` parents among
-/// those kept, on the boundary its two neighbours there, and lies among them. `keep` says which have to be kept: those
-/// that are prescribed. `place` (m) is where vertices are at rest.
+/// Leaves out as many vertices as it can in one go, so that the parents that are kept carry each of them: there are at
+/// least `parent_count`, on the boundary its two neighbours there, and it lies among them. `keep` says which have to be
+/// kept: those that are prescribed. `place` (m) is where vertices are at rest.
 pub(super) fn coarsen(
     graph: &Graph,
     keep: impl Fn(u32) -> bool,
@@ -109,7 +109,8 @@ pub(super) fn coarsen(
 
 /// No weight is negative: a vertex that moves against a parent is not smoothed afterwards.
 const LEAST: Real = 0.0;
-/// How far a vertex may lie from the weighted mean of its parents, relative to their mean distance.
+/// How far aside of its parents a vertex may lie: its distance from their weighted mean, relative to their mean
+/// distance.
 const ASIDE: Real = 0.3;
 
 /// The vertices on which `v` depends when it is left out, and the inverse of the length of each link to them (1/m).
