@@ -3,32 +3,32 @@
 //! Galerkin operator `PᵀHP` of the projected Hessian on a few hundred unknowns.
 //!
 //! The constant matrix is as stiff across a spring as along it, so of the motions that turn springs without stretching
-//! them, a global solve removes only a small fraction; and those are smooth motions of the whole sheet, such as falling
-//! and swinging. Let P (a column per node of a coarse [`Lattice`] and axis) interpolate smooth displacements. Then
+//! them, a global solve removes only a small fraction. The large ones among these are smooth motions of the whole
+//! sheet, such as falling and swinging. Let P (a column per node of a coarse [`Lattice`] and axis) interpolate smooth
+//! displacements. Then
 //!
 //! `A⁻¹ + P V Pᵀ`,  V near `(Pᵀ H P)⁻¹`,  `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z) S`
 //!
-//! is the constant matrix for what is rough and Newton's method for what is smooth. V is a cycle of [`Multigrid`] on
-//! the lattice and the levels below it. The first part is symmetric and positive definite, the second symmetric and
-//! positive semi-definite (it vanishes on the r with Pᵀr = 0), so the sum is positive definite and the direction
-//! goes down. H is taken where the step's iteration starts, once a step, over the elements that the constant matrix
-//! has.
+//! is the constant matrix for what stretches springs and Newton's method for what is smooth. What is neither, short
+//! waves across the cloth, both leave: A keeps more of a wave the shorter it is ([crate page][1]), and the hats do not
+//! have it.
 //!
-//! The matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first, which
-//! would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so (AMD EPYC, Zen 4, one thread). It is needed
-//! afresh in every step: kept for two, the kinetic energy of the swing ([limits](crate#limits)) is −74 % instead of
-//! −44; taken several times in a step, no better than once.
+//! V is a cycle of [`Multigrid`] on the lattice and the levels below it. The first part is symmetric and positive
+//! definite, the second symmetric and positive semi-definite (it vanishes on the r with Pᵀr = 0), so the sum is
+//! positive definite and the direction goes down. H is taken where the step's iteration starts, over the elements that
+//! the constant matrix has, without the negative eigenvalues of I − ∂p/∂z (`local.rs`). It is needed afresh in every
+//! step: kept for two, the swing of the hanging sheet loses 74 % of its kinetic energy instead of 44; taken several
+//! times in a step, it is no better than once.
 //!
-//! The lattice is not one of the coarse levels of the mesh. On a sheet that swings for five seconds the two compare
-//! as follows:
-//! - 65 vertices a side, where the levels nest, 16 iterations: with a level of 289 vertices the sheet keeps 4 % more
-//!   kinetic energy than with a lattice of 16 cells (17² = 289 nodes), and the two largest stretches differ by 2 %.
-//!   The level is as good as the lattice.
-//! - 64 a side, where the last cells of a row of the level are of another size: with the level, the largest stretch is
-//!   1.5 to 2 times what it should be. At 128 a side it is twice what it should be.
+//! The matrix is summed element by element: `Pᵀ H P` is never a matrix of the whole cloth first, which would take 0.65
+//! ms of a step of 3.5 ms at 64 a side, and takes 0.36 so (AMD EPYC, Zen 4, one thread).
 //!
-//! In the second case it makes no difference whether the level is solved exactly or by a cycle: the correction is
-//! added, and nothing smooths the iterate after it.
+//! *Why a lattice*, and not one of the coarse levels that multigrid makes of the mesh itself: where such a level fits
+//! the mesh (65 vertices a side, every fourth of them) it is as good. Where it does not (64 or 128 a side, the last
+//! cells of a row of another size), a sheet that swings for five seconds has 1.5 to 2 times the largest stretch that it
+//! should: the correction is added, and nothing smooths the iterate after it.
+//!
+//! [1]: crate#what-the-constant-matrix-loses-and-how-it-is-won-back
 
 use crate::components::FreeComponents;
 use crate::global::GlobalSystem;

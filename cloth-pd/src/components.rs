@@ -27,7 +27,7 @@ pub(crate) struct FreeComponents {
     shift: Vec<Vec3>,
     /// Of each component, `Σ m + Δt D` (kg) with the drag of the air.
     dragged: Vec<Mat3>,
-    /// Of each component, whether contact pressed something else against it where the last step ended.
+    /// Whether each component is supported: contact pressed something else against it where the last step ended.
     is_supported: Vec<bool>,
 }
 

@@ -8,33 +8,40 @@ use cloth_core::step::BuildError;
 /// Settings of [`PdSolver`](crate::PdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdConfig {
-    /// `Some(k)`: k iterations in every step (at least 1), exactly as many without a `tolerance`, at most as many with
-    /// one. `None`: as many as it takes to come within [`velocity_tolerance`](Self::velocity_tolerance) or the
-    /// `tolerance`. Plain and Chebyshev iterations do not know when they are within `velocity_tolerance`: without a
-    /// `tolerance` they take ten where nothing touches. A step of the quasi-Newton method from
-    /// [`StartGuess::Inertial`] that would gain energy is taken again from `x[0]`, with as many.
+    /// `Some(k)`: k iterations in every step (at least 1), at most as many with a `tolerance`. In contact a step ends
+    /// earlier where forces balance (below) or no lower point is found. `None`: as many as it takes to come within
+    /// [`velocity_tolerance`](Self::velocity_tolerance) or the `tolerance`. Plain and Chebyshev iterations do not know
+    /// when they are within `velocity_tolerance`: without a `tolerance` they take ten where nothing touches. A step of
+    /// the quasi-Newton method from [`StartGuess::Inertial`] that would gain energy is taken again from `x[0]`, with as
+    /// many.
     pub iterations: Option<u32>,
     /// Most iterations of a step with `iterations: None`; at least 1.
     pub most_iterations: u32,
     /// A step with `iterations: None` and without a `tolerance` ends, as
     /// [`Converged`](cloth_core::step::Outcome::Converged), once `√(∇Gᵀ B ∇G) ≤ ε ‖x − x̃‖_M/Δt`, B the inverse Hessian
     /// that the method has: the Newton decrement, as a speed, over the change of velocity that the forces have made. As
-    /// one iteration can make it small, five must have lowered `G` by no more than `5 (ε ‖x − x̃‖_M/Δt)²` besides. With
-    /// τ this number (dimensionless, at least 0):
+    /// one iteration can make it small, the last five must have lowered `G` by no more than `5 (ε ‖x − x̃‖_M/Δt)²`
+    /// besides, so there are at least six. With τ this number (dimensionless, at least 0):
     ///
     /// | moving pins, pushed bodies, forces in contact | active contacts | ε | iterations, at least |
     /// |---|---|---|---|
     /// | no | no | τ/2 | 10 |
-    /// | no | yes | 0.3 τ, in the first 16 a tenth of it | 5 |
+    /// | no | yes | 0.3 τ, in the first 15 a tenth of it | 6 |
     /// | yes | no | 0.3 τ | 20 |
-    /// | yes | yes | 0.3 τ, in the first 16 a tenth of it | 5 |
+    /// | yes | yes | 0.3 τ, in the first 15 a tenth of it | 6 |
     ///
-    /// Without pairs they are 30 in contact. It is an estimate, weaker than a bound on the gradient: A is too stiff
-    /// where cloth bends, so B, and this, come out too small. In a step of a falling sheet of 16 × 16 vertices the
-    /// change of velocity was off by 2 to 7 τ with a coarse grid, by 5 to 25 τ without, from τ = 0.1 to 10⁻⁴
-    /// (`cloth-massspring`: by 3 τ at most on its sheet). With active contacts a step ends, too, once
-    /// `‖∇G(x)‖ ≤ 10⁻⁴ τ ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹, which bounds the error of the velocities by 10⁻⁴ τ. 0
-    /// asks for all `most_iterations`.
+    /// Without pairs they are 30 in contact, and ε is 0.3 τ from the first. Without contact ε is smaller where pins
+    /// move because strain that a step leaves where a pin has pulled adds up over the steps.
+    ///
+    /// This is an estimate, weaker than a bound on the gradient, and the error is larger than τ: A is too stiff where
+    /// cloth bends, so B, and the decrement, come out too small. `Converged` says that the estimate is below ε, and no
+    /// more. In a step of a falling sheet of 16 × 16 vertices the change of velocity was off by 2 to 7 τ with a coarse
+    /// grid, by 5 to 25 τ without, from τ = 0.1 to 10⁻⁴ (`cloth-massspring`: by 3 τ at most on its sheet).
+    ///
+    /// With active contacts a step ends, too, once forces balance: `‖∇G(x)‖ ≤ 10⁻⁴ τ ‖M (x − x̃)/Δt²‖` in the norm of
+    /// M⁻¹ (10⁻⁸ in the place of 10⁻⁴ τ with `Some(k)` iterations). Where the Hessian of `G` is at least M/Δt², so
+    /// without compressed elements, that bounds the error of the change of velocity by 10⁻⁴ τ of it. 0 asks for all
+    /// `most_iterations`.
     pub velocity_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ
     /// dimensionless; C is the potential of contact, if there is any), and the report has that ratio as its residual.
@@ -92,9 +99,9 @@ pub enum Acceleration {
     /// thin cloth, which would be most of the factor; and with the coarse grid, if the solver was given one) as the
     /// initial inverse Hessian, and a line search on `G`.
     QuasiNewton {
-        /// Pairs of differences that are remembered (m in the paper), 2 by default, at most 32; with 0 each direction
-        /// is that of one global solve, else there are at least twenty in a step that is given contacts, until one is
-        /// active: directions are then those of a truncated Newton method.
+        /// Pairs of differences that are remembered (m in the paper), 2 by default, at most 32. With 0 each direction
+        /// is that of one global solve, with active contacts of up to ten. Else a step that is given contacts remembers
+        /// at least twenty until one is active: directions are then those of a truncated Newton method.
         history: u32,
     },
 }

@@ -1,5 +1,5 @@
-//! Springs as streams: structure-of-arrays buffers of x, y and z, so that whole registers are read, projected and
-//! added.
+//! Springs in structure-of-arrays buffers of x, y and z, read from end to end (as streams), so that whole registers are
+//! read, projected and added.
 //!
 //! Positions and sums of a block are deinterleaved once, into [`Buffers`], for all elements that touch it. An element
 //! needs a root and a division, and the rest of its work, done for one register of elements after the other, takes

@@ -18,8 +18,9 @@
 //!
 //! *Factor against solve.* A solve does 12 operations a number (a product and a sum, forward and backward, for x, y and
 //! z) on 16 bytes that it reads. A factorisation does a product and a sum for each pair of numbers in a column, on one
-//! thread. By the [`cost`] below it takes (3 + 0.13 c)/0.85 solves, c numbers a row: 9 with springs and 16 with hinges
-//! at 128 a side. In the limit this grows as √n/log n.
+//! thread. With c numbers a row it takes (3 + 0.13 c)/0.85 solves: 9 with springs (c = 33) and 16 with hinges (c = 79)
+//! at 128 a side. The three constants are measured ([`cost`]): ns a number and ns a product of a factorisation, ns a
+//! number of a solve. In the limit this grows as √n/log n.
 //!
 //! *Memory.* The factor is kept twice, as the library makes it and in the order of [`PanelFactor`]: 16 bytes a number.
 //! By the law above a sheet of 1024 vertices a side has 47 numbers a row, or 112: 0.8 or 1.9 GB. Its indices are 32

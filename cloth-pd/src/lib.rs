@@ -74,18 +74,18 @@
 //! | spring ([`Spring`]) | x₀ − x₁ | L z/‖z‖ | k |
 //! | limit of a spring ([`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring)) | x₀ − x₁ | clamp(‖z‖) z/‖z‖ | k |
 //! | triangle, as rigid as possible ([`ArapTriangle`](cloth_core::energy::ArapTriangle)) | F = Σ xᵢ bᵢᵀ, 3 × 2 | U Vᵀ of F = U Σ Vᵀ | area · Y |
-//! | tetrahedron, as rigid as possible ([`ArapTetrahedron`](cloth_core::energy::ArapTetrahedron)) | F, 3 × 3 | U Vᵀ, a rotation | volume · 2μ |
+//! | tetrahedron, as rigid as possible ([`ArapTetrahedron`](cloth_core::energy::ArapTetrahedron)) | F, 3 × 3 | U Vᵀ, a rotation: σ₃ < 0 where det F < 0 | volume · 2μ |
 //! | limit of a triangle ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
 //! | isometric bending, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | D/(A₀ + A₁) |
 //! | hinge, curved at rest ([`CurvedHinge`](cloth_core::energy::CurvedHinge)) | Σ qᵢ xᵢ | r z/‖z‖ | D/(A₀ + A₁) |
-//! | stitch ([`Stitch`](cloth_core::energy::Stitch)) | Σ qᵢ xᵢ | L(t) z/‖z‖ | k |
+//! | stitch ([`Stitch`](cloth_core::energy::Stitch)), a spring whose rest length falls to 0 | Σ qᵢ xᵢ | L(t) z/‖z‖ | k |
 //! | attachment ([`Attachment`](cloth_core::energy::Attachment)), soft pin ([`SoftPin`](cloth_core::energy::SoftPin)) | x | its target | k |
 //!
-//! p is unique and continuous in z where z ≠ 0 (spring, curved hinge) and where F has rank 2 (triangle). Elsewhere it
-//! jumps, unless the least length is 0, and any of the nearest p will do: E itself is continuous, and the bound from
-//! above, `G(x⁺) ≤ Q(x⁺)` of `objective.rs`, holds for each of them. `local.rs` has why U clamp(Σ) Vᵀ is nearest, and
-//! the singular values in closed form, with degenerate and inverted triangles. The bᵢ (1/m) are gradients of hat
-//! functions at rest.
+//! p is unique and continuous in z where z ≠ 0 (spring, curved hinge), where F has rank 2 (triangle), where σ₂ + σ₃ > 0
+//! (tetrahedron), and everywhere for a strain limit without a lower end (0), whose set is convex. Elsewhere p jumps,
+//! and any of the nearest will do: E itself is continuous, and the bound from above, `G(x⁺) ≤ Q(x⁺)` of `objective.rs`,
+//! holds for each of them. `local.rs` has why U clamp(Σ) Vᵀ is nearest, the singular values in closed form, their
+//! signs, and the eigenvalues of I − ∂p/∂z. The bᵢ (1/m) are gradients of hat functions at rest.
 //!
 //! With the edge x₀ x₁, the tips x₂ and x₃, and the angles at rest θ₀, θ₁ of the first triangle and θ₂, θ₃ of the other
 //! at x₀ and x₁, a hinge has `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, so that
@@ -113,32 +113,37 @@
 //!
 //! # What the constant matrix loses, and how it is won back
 //! A is as stiff across a spring as along it, but across a spring near its rest length there is only k (1 − L/‖z‖).
-//! Near the minimum an iteration turns the error e into `e⁺ = (I − A⁻¹ ∇²G) e`. Motions that turn springs without
+//! Near the minimum an iteration turns the error e into `e⁺ = (I − A⁻¹ ∇²G) e`. Motions that stretch springs are as
+//! stiff in ∇²G as in A: of their error little is left after one iteration. Motions that turn springs without
 //! stretching them, as falling and folding do, have little more than `m/Δt²` a vertex in ∇²G, but `m/Δt² + κ` in A, κ
 //! their stiffness in `Σ w SᵀS`. Of an error of that kind an iteration therefore leaves the fraction
-//! `1 − (m/Δt²)/(m/Δt² + κ) = κ/(m/Δt² + κ)`. On the alternating grid of spacing h a wave of wave number ξ has
-//! `κ ≈ 2 k (ξ h)²` a vertex, and `m = σ h²` for an areal density σ: `κ Δt²/m = 2 k ξ² Δt²/σ` does not depend on h. For
-//! the sheet below the factor is 0.9991 for a wave of 1 m and 0.9995 for one of 0.74 m. Truncated early, the sheet
-//! falls too slowly. Three accelerations use the same matrix:
+//! `1 − (m/Δt²)/(m/Δt² + κ) = κ/(m/Δt² + κ)`. On the alternating grid of spacing h a wave of wave number ξ, long beside
+//! h, has `κ ≈ 2 k (ξ h)²` a vertex, and `m = σ h²` for an areal density σ: `κ Δt²/m = 2 k ξ² Δt²/σ`.
+//!
+//! - *Of one wave* the factor does not depend on h: for the sheet below 0.9991 at a length of 1 m, 0.9995 at 0.74 m.
+//! - *Shorter waves are slower*, 0.99999 at 0.1 m, and a finer mesh has shorter ones.
+//! - *But the longer ones are larger.* In the sixteenth step of that sheet (springs alone, 64 a side, from x̃) 99 % of
+//!   ‖e‖²_M after 30 plain iterations lies in the hat functions of a grid of 12 cells. From there to 300 iterations
+//!   that part of e falls to 0.46 of its size, the rest to 0.91.
+//!
+//! So few iterations leave two errors: the sheet falls too slowly, and folds are missing ([limits](#limits)). Three
+//! accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
-//!   spectral radius ρ of the plain iteration. We keep `G` in view: where it would not fall, the plain iterate is
-//!   taken.
+//!   spectral radius ρ of the plain iteration (0.9995 below: waves shorter than 0.74 m are slower, but small). Where
+//!   `G` would not fall, the plain iterate is taken.
 //! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the initial inverse Hessian of `G`, the last few differences of
 //!   iterates and gradients (pairs s, y) improve it (L-BFGS), a line search with Armijo's condition enforces descent.
-//!   If a direction fails, a plain iteration is taken.
+//!   If a direction fails, a plain iteration is taken. [`PdSolver`] has the default's step as a list. (Not offered:
+//!   Anderson acceleration, Peng et al. 2018, which combines the last iterates likewise.)
 //! - **A coarse grid**, an additive two-level preconditioner of Schwarz type (Nicolaides 1987, Dryja and Widlund 1987;
 //!   for cloth on many levels Wu et al. 2022; in projective dynamics, with a subspace in the place of the grid, Lan et
-//!   al. 2024). Its fine part is A, its coarse part the Galerkin operator of the Hessian: the slow motions are smooth,
-//!   so a few hundred unknowns on a lattice of trilinear hat functions describe them (P is the prolongation, Pᵀ the
-//!   restriction, H the Hessian at the start of the step's iteration, the negative eigenvalues of each element set to
-//!   zero, `PᵀHP` the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian becomes
-//!   `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`. A reduces the
-//!   rough part of the error, the grid the smooth part.
-//!
-//! Not offered: Anderson acceleration (Peng et al. 2018), which combines the last iterates as pairs do; and Jacobi's
-//! method or conjugate gradients in the place of the factor, which one would want on a GPU, where triangular solves
-//! wait, and where the factor does not fit into the memory.
+//!   al. 2024). The large slow motions are smooth: a few hundred unknowns on a lattice of trilinear hat functions
+//!   describe them, for which a Newton step is cheap. P is the prolongation, Pᵀ the restriction, H the Hessian where
+//!   the iteration starts, the negative eigenvalues of each element set to zero (`local.rs`), and `PᵀHP` the Galerkin
+//!   coarse operator. The initial inverse Hessian becomes `A⁻¹ + P V Pᵀ`, V a cycle of
+//!   [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`. A reduces what stretches springs, the grid the
+//!   smooth part of what turns them. Rough folds neither reduces; they are left to the pairs.
 //!
 //! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add less
 //! than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the
@@ -170,18 +175,16 @@
 //! ```
 //!
 //! The global step is often printed for x itself; for the displacement q (not the qᵢ of a hinge) it is the same
-//! equation. Neither positions nor predictions are subtracted, so free fall loses no digits, and a step so long that
-//! `M/Δt²` is rounded away ends where the held cloth is at rest. A prescribed vertex has q = u from the start, so its
-//! increment d is 0: its column of A multiplies a zero, its row is not asked for, and both are left out (in the code
-//! they are those of the identity, so that a release keeps the pattern). What it does to its neighbours is in g,
-//! evaluated with the vertex at its new place. For x itself the column would be needed. `Σ w SᵀS` is positive
-//! semi-definite for weights ≥ 0, and M makes A positive definite.
+//! equation. Neither positions nor predictions are subtracted, so free fall loses no digits, and where a long step
+//! rounds `M/Δt²` away, held cloth ends at rest. A prescribed vertex has q = u from the start, so its increment d is 0:
+//! its row and column are left out (in the code those of the identity, so that a release keeps the pattern), and what
+//! it does to its neighbours is in g. `Σ w SᵀS` is positive semi-definite for weights ≥ 0; M makes A positive definite.
 //!
 //! | equation | where |
 //! |---|---|
 //! | S, w, p | [`Projective`](cloth_core::element::Projective) of each element |
-//! | the local step of one family | [`LocalStep`], `local.rs` |
-//! | the same on threads, batched, as streams | `vertex_blocks.rs`, `batch.rs`, `deinterleaved.rs` |
+//! | the local step of one family (all elements of one `.energy()` call) | [`LocalStep`], `local.rs` |
+//! | the same on threads, in batches, over structure-of-arrays buffers | `vertex_blocks.rs`, `batch.rs`, `deinterleaved.rs` |
 //! | the same where p is constant: a matrix | `quadratic.rs` |
 //! | `G`, `∇G` | `objective.rs` |
 //! | A = M/Δt² + Σ w SᵀS | `matrix.rs` |
@@ -195,11 +198,10 @@
 //! | u = `(v + a * dt) * dt` (in `begin`) and, with it, x̃ | `objective.rs` |
 //! | the loop, the velocities | [`PdSolver`], `solver.rs` |
 //!
-//! `examples/first_program.rs` is the plain iteration from x̃, for x itself, as loops over arrays with a dense matrix,
-//! and compares itself with [`PdSolver`]: 30 steps end within 10⁻¹² m of each other. In the crate the local step is
-//! spread over several files: the formula of one element stands in `batch.rs`, at `ProjectionBatch::find_one_by_one`
-//! (z, p, force `w (z − p)`, energy `½ w ‖z − p‖²`), and everything else computes the same numbers for many elements at
-//! once, to 10⁻¹⁴ of the largest force (`tests/chapter/local.rs`).
+//! `examples/first_program.rs` is the plain iteration from x̃, for x itself, as loops over arrays with a dense matrix;
+//! 30 steps end within 10⁻¹² m of those of [`PdSolver`]. In the crate the formula of one element stands in `batch.rs`,
+//! at `ProjectionBatch::find_one_by_one` (z, p, force `w (z − p)`, energy `½ w ‖z − p‖²`), and the other files of the
+//! local step compute the same for many elements at once, to 10⁻¹⁴ of the largest force (`tests/chapter/local.rs`).
 //!
 //! # Iterations
 //! The sixteenth step of that sheet, from x̃, until `(G − G*)/(G(x̃) − G*)` is below an error
@@ -221,18 +223,21 @@
 //! | | with a coarse grid | 3 | 35 | 494 |
 //!
 //! Without a coarse grid, too, the number of iterations does not grow with the resolution, contrary to what is often
-//! said. It does depend on the stiffness, though not in order: to 10⁻⁴ at 32 a side 698 plain iterations at 10² N/m,
-//! more than 3000 at 10³, 2625 at 10⁴ and more than 3000 at 10⁵. Each is another step, with other folds. By Δt of
-//! 1/240, 1/120, 1/60 and 1/30 s, one step after 0.25 s, of 10⁴ N/m and at 32 a side: to 10⁻⁴ 1981, 1964, more than
-//! 3000 and 2579 plain iterations, 128, 109, 276 and 132 of quasi-Newton, 35, 15, 130 and 141 with a coarse grid.
+//! said: the long waves, which have most of ‖e‖²_M, are the same on each mesh, with the same factor. It does depend on
+//! the stiffness, though not in order (each is another step, with other folds): to 10⁻⁴ at 32 a side plain iterations
+//! take 698 at 10² N/m, more than 3000 at 10³, 2625 at 10⁴ and more than 3000 at 10⁵; and at 10⁴ by the step size:
+//!
+//! | Δt (s); one step, after 0.25 s | 1/240 | 1/120 | 1/60 | 1/30 |
+//! |---|---|---|---|---|
+//! | plain | 1981 | 1964 | > 3000 | 2579 |
+//! | quasi-Newton | 128 | 109 | 276 | 132 |
+//! | with a coarse grid | 35 | 15 | 130 | 141 |
 //!
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
 //! is faster than the memory gives them. The local step reads a rest length and a stiffness (16 bytes) a spring where
-//! springs are streams, and reads or writes 72 bytes a vertex;
-//! `cargo bench -p benches --bench projective -- "local step"` has its time beside that of a stream of 24 bytes a
-//! spring and 72 a vertex: 2.0 to 2.6 times as long with 128 vertices a side, where all is in a cache, 1.0 to 1.3 with
-//! 256 and 1.3 to 1.9 with 512. `deinterleaved.rs` has the streams.
+//! springs are in structure-of-arrays buffers (`deinterleaved.rs`), and reads or writes 72 bytes a vertex
+//! (`cargo bench -p benches --bench projective -- "local step"` has its time).
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending
 //! energy (11 a row), an iteration moves `16 f` bytes for the solve, `16 e + 72 n` for the springs, `12 b + 64 n` for
@@ -244,10 +249,10 @@
 //! ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
 //!
 //! The solve is a supernodal triangular solve with three right-hand sides (`panel.rs`). It is our own, not that of
-//! faer, since memory decides its time: [`PanelFactor`] reads the factor as one stream, twice for x, y and z together
-//! and not twice for each. It takes 48 µs where faer's takes 280 at 64 vertices a side, 270 where it takes 1220 at 128,
-//! and 2.3 ms where it takes 16 at 256 (without bending, least of many, one thread of a busy 2-core AMD EPYC Zen 4 VM,
-//! commit e1abe3f; with bending: `cargo bench -p benches --bench projective -- "projective solve"`).
+//! faer, since memory decides its time: [`PanelFactor`] reads the factor twice for x, y and z together and not twice
+//! for each. It takes 48 µs for faer's 280 at 64 vertices a side, 270 for 1220 at 128, and 2.3 ms for 16 at 256
+//! (without bending, least of many, one thread of a busy 2-core AMD EPYC Zen 4 VM, commit e1abe3f; with bending:
+//! `cargo bench -p benches --bench projective -- "projective solve"`).
 //!
 //! # Pin and drag
 //! To drag, call [`PdSolver::prescribe`]: changing your `Particles` does nothing, the solver has a copy. Before every
@@ -259,30 +264,36 @@
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release),
 //! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve by the
 //! identity of Woodbury, of rank r: 1 for a vertex that is grabbed and for an attachment, 2 for one that is released, a
-//! row of S each for an element that is removed. To set that up takes r/3 solves, which cost as much as a factorisation
-//! at r = 36 to 51 for 32 to 512 vertices a side with bending in the matrix, at 27 for 128 without; and as it slows
-//! down every solve, it is given up for a factorisation when as much has been spent on it. A dragged pin or attachment
-//! changes no matrix; a pin or an element that comes or goes takes a coarse grid anew.
+//! row of S each for an element that is removed. That takes r/3 solves to set up (a factorisation costs as much as at
+//! r = 27 to 51) and slows down every solve, until as much has been spent as a factorisation costs, which is then made.
+//! A dragged pin or attachment changes no matrix; a pin or an element that comes or goes takes a coarse grid anew.
 //!
 //! # Contact
 //! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
 //! quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`. The crate `cloth-collide` has it:
 //! `PotentialContacts::builder(&mesh).obstacle(body, μ).friction(μ).build()?` once, then `.contacts(&mut contacts)` on
 //! every `StepInput`. `obstacle` takes the friction on a body, `friction` that of cloth on cloth, and self-collision is
-//! on unless `.self_collision(false)`. Friction is in C with the normal forces λ and planes of the start of the step
-//! (lagged, Li et al. 2020): μ λ f(‖u‖) of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a
-//! hundredth of the thickness, and stays there: friction has a potential, and never exceeds μ λ, with the λ of the
-//! start, which the step does not update: Coulomb's cone holds for that λ, not for the one at the end. In a step with
-//! contact, plain and Chebyshev iterations are replaced by quasi-Newton iterations without pairs, because an
-//! extrapolated displacement cannot be bounded. `contact.rs` has the order of an iteration, and another way (Ly et al.
-//! 2020).
+//! on unless `.self_collision(false)`. The normal part is a sum of A ψ(d) over the pairs that are near: d (m) is their
+//! distance and A the area that the pair stands for. With the thickness h (m; for two edges half of it) and the
+//! stiffness κ_c (Pa/m) of contact, and ψ, ψ′ and ψ″ continuous at h/2,
+//! ```text
+//! ψ = ½ κ_c (h − d)²                from h down to h/2; nothing beyond h
+//! ψ = ¼ κ_c h² (½ − ln(2d/h))       below h/2: a barrier, infinite at d = 0
+//! ```
+//! Friction is in C with the normal forces λ and planes of the start of the step (lagged, Li et al. 2020): μ λ f(‖u‖)
+//! of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a hundredth of the thickness, and stays
+//! there: friction has a potential, and never exceeds μ λ, with the λ of the start, which the step does not update:
+//! Coulomb's cone holds for that λ, not for the one at the end. In a step with contact, plain and Chebyshev iterations
+//! are replaced by quasi-Newton iterations without pairs, because an extrapolated displacement cannot be bounded.
+//! `contact.rs` has the order of an iteration, and another way (Ly et al. 2020).
 //!
 //! - **Directions are those of a truncated Newton method** (`newton.rs`). A is as stiff across a spring as along it,
 //!   which is how cloth moves on what it touches: so few iterations with A, pairs or not, leave forces out of balance.
-//!   With active contacts the direction solves `(H + Σ k J Jᵀ) d = −∇G`, H the Hessian of inertia and elements at the
-//!   iterate, J the derivative of a distance by the vertices and k the second derivative of its energy
-//!   ([`ContactRow`](cloth_core::contact::ContactRow)), by conjugate gradients around a multigrid cycle for that
-//!   matrix; the volume of a closed component ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is among the
+//!   With active contacts the direction solves `(H + Σ k J Jᵀ) d = −∇G`, by conjugate gradients around a multigrid
+//!   cycle for that matrix. H is the Hessian of inertia and elements at the iterate, the negative eigenvalues of each
+//!   element set to zero (`local.rs` has them), J the derivative of a distance by the vertices and k the second
+//!   derivative of its energy, at least 0 ([`ContactRow`](cloth_core::contact::ContactRow)): the sum is positive
+//!   definite. The volume of a closed component ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is among the
 //!   contacts. The constant matrix waits until nothing touches.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
@@ -290,24 +301,16 @@
 //!   all is taken. On the way to the start `x[0] + Δt v[0]` the displacements around one that is stopped are truncated
 //!   too, by less the further away they are ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
 //! - **A trust radius bounds each direction**, since it does not account for contacts that are not active yet
-//!   (`quasi_newton.rs`). Without it, a handkerchief on the corner of a table (`cloth-bench/scenes/handkerchief.toml`)
-//!   gained 3.1·10⁻⁴ J in its first four steps, beyond the 2·10⁻⁵ J that it was given, and a step took seven times as
-//!   long; with it, nothing beyond those (commit 9374ec2).
-//! - **A step goes on until it is near enough**, as it does without contact: until forces balance to 10⁻⁵, or what the
-//!   iteration still has to move is 0.3 of [`PdConfig::velocity_tolerance`] of what forces have moved (a tenth of that
-//!   within the first 16 directions, which mostly suffice), or up to [`PdConfig::most_iterations`]. A ribbon that folds
-//!   down on itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.496 m, by implicit Euler 0.495 m; a towel
-//!   without friction slides off its rail. If it ends above `G` at the start all the same, it is taken again from
-//!   there.
-//!
-//! Where pins move the tolerance is tighter: strain that a step leaves where a pin has pulled adds up over the steps. A
-//! towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.014 to 0.019 J with implicit Euler,
-//! with ten iterations a step 0.36 J, here 0.034 J.
+//!   (`quasi_newton.rs`). Without it a handkerchief on the corner of a table gained energy that nothing gave it.
+//! - **A step goes on until it is near enough**, as it does without contact: until forces balance (`‖∇G‖` at 10⁻⁵ of
+//!   `‖M (x − x̃)/Δt²‖`), until the Newton decrement meets the tolerance ([`PdConfig::velocity_tolerance`] has the
+//!   table), or up to [`PdConfig::most_iterations`]. If the step ends above `G` at the start all the same, it is
+//!   taken again from there. A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.014 to
+//!   0.019 J with implicit Euler, with ten iterations a step 0.36 J, here 0.034 J.
 //!
 //! So every accepted iterate, and the straight path from one to the next, is free of intersections. A sheet with 64
-//! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m (`cloth-bench/scenes/ball.toml`) is
-//! stretched by 2 to 3 % at most after 20 steps of 1/60 s, 1.9 % with implicit Euler, and no energy appears. How far it
-//! has fallen by then depends on how it buckles: by 0.320 to 0.324 m, 0.325 m with implicit Euler.
+//! vertices a side that falls onto a ball (`cloth-bench/scenes/ball.toml`) is stretched by 2 to 3 % at most after 20
+//! steps, 1.9 % with implicit Euler, and no energy appears.
 //!
 //! # Strain limits
 //! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
@@ -330,15 +333,14 @@
 //! - **Degenerate elements are no error.** A spring whose ends coincide projects to a direction that its vertex numbers
 //!   give, so a cloth collapsed to a point unfolds; a triangle collapsed to a line or a point has singular vectors
 //!   chosen for it. A triangle without rest area has no weight, and is left out.
-//! - **A hinge needs two rest areas**, which those of a [`TriMesh`](cloth_core::mesh::TriMesh) have (`ZeroArea`). One
-//!   made by hand whose A₀ + A₁ is 0 is refused when building, `OutOfRange`; with one area of 0 the first step finds
-//!   it: `NotPositiveDefinite`, or `NonFinite` at prescribed vertices.
+//! - **A hinge needs two rest areas.** One made by hand whose A₀ + A₁ is 0 is refused when building (`OutOfRange`); one
+//!   area of 0 the first step finds: `NotPositiveDefinite`, or `NonFinite` at prescribed vertices.
 //! - **Cloth that no pin holds is no error**, nor is a part of it: it falls, with its momentum kept (`components.rs`).
 //! - **No convergence is no error.** As in `cloth-massspring`, a step has
 //!   [`Converged`](cloth_core::step::Outcome::Converged) where, as its Newton decrement estimates, the change of
 //!   velocity is right to the tolerance asked for ([`PdConfig::velocity_tolerance`], with how near that is), where
-//!   [`PdConfig::tolerance`] is met, and the report has the residual, where forces in contact balance to 10⁻³, where
-//!   the cloth flies freely and where nothing can move. Else it is
+//!   [`PdConfig::tolerance`] is met, and the report has the residual, where forces in contact balance to 10⁻⁵ (10⁻⁸
+//!   with a given number of iterations), where the cloth flies freely and where nothing can move. Else it is
 //!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent): after a given number of iterations, after a failed line
 //!   search in contact, and at `most_iterations`, which counts as
 //!   [`unfinished`](cloth_core::step::StepReport::unfinished).
@@ -346,9 +348,9 @@
 //! # Threads
 //! With the feature `parallel` (default) the vertices are cut into blocks of consecutive numbers. Each block visits the
 //! elements that touch it and adds to its own vertices only (owner computes), so no two threads write to the same place
-//! and no colouring is needed; an element on a border is computed twice. A family (all elements of one `.energy()`
-//! call) of fewer than 32 768 elements stays on one thread. The solve runs over independent subtrees of the elimination
-//! tree. Blocks and subtrees depend on the mesh alone, so results have the same bits on any number of threads
+//! and no colouring is needed; an element on a border is computed twice. A family of fewer than 32 768 elements stays
+//! on one thread. The solve runs over independent subtrees of the elimination tree. Blocks and subtrees depend on the
+//! mesh alone, so results have the same bits on any number of threads
 //! (`threads_do_not_change_a_bit` in `tests/chapter/step.rs`), and without the feature. Passes over vertices (inertia,
 //! bending, pairs, restriction, prolongation, inner products) go in chunks of 2048, whose sums are added in a fixed
 //! order; from 8192 vertices on threads share them, and the coarse cycle runs beside the solve. Factorisation, the
@@ -361,8 +363,8 @@
 //! [`LocalStep`] gives E and ∇E, to be compared by differences. Test that, and that `G` falls in every plain iteration
 //! (as in `tests/chapter/minimum.rs`). S and w must be constant. Write `projected_hessian` too, unless the projection
 //! is constant: its default, the identity, makes the coarse grid as stiff as A, and nothing is won by it.
-//! `PROJECTION_IS_CONSTANT` and `sphere` are for speed; give a `sphere` only if its radius never changes, because the
-//! solver keeps it. The matrix, threads, accelerations and the removal of elements follow.
+//! `PROJECTION_IS_CONSTANT` and `sphere` (the radius, if the set is a sphere about 0) are for speed; a radius that
+//! changes must not be given, as the solver keeps it. Matrix, threads, accelerations and removal follow.
 //!
 //! ```
 //! use cloth_pd::cloth_core::element::{Element, Projective};
@@ -404,9 +406,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! An element that is no squared distance to a set under a constant linear map is refused when compiling. An area is a
-//! product of edges, so no such map gives it. (What keeps an area nearly can be written: z = F and the set σ₁σ₂ = 1,
-//! Bouaziz et al. 2014, section 5. That is another energy, and its p takes an iteration of its own.)
+//! An element that is no squared distance to a set under a constant linear map is refused when compiling, such as an
+//! area, a product of edges. (z = F with the set σ₁σ₂ = 1 would nearly keep it: Bouaziz et al. 2014, section 5.)
 //! ```compile_fail,E0277
 //! use cloth_core::{energy::AreaTriangle, math::Vec3, particles::Particles};
 //!
@@ -420,35 +421,27 @@
 //! - There is no Rayleigh or strain-rate damping, only that of implicit Euler, which divides the energy of a mode of
 //!   angular frequency ω by `1 + (ω Δt)²` in a step: a swing of 1 s loses half of it in 1.06 s at Δt = 1/60 s, in 4.2 s
 //!   at 1/240. For more, scale the velocities between steps, or hand over the air, `StepInput::air`: quasi-Newton
-//!   iterations have `½ Δt (v − v₀)ᵀ D (v − v₀)` in G, plain and Chebyshev iterations without contact take its force at
-//!   the start of the step ([`cloth_core::air`]).
+//!   iterations have `½ Δt (v − v[0])ᵀ D (v − v[0])` in G, D its drag ([`cloth_core::air`]), plain and Chebyshev
+//!   iterations without contact its force at the start of the step.
 //! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon reached and says
 //!   little: plain, truncated there, the sheet above floats. Check the fall beside the stretch first.
-//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Ten (with a coarse
-//!   grid of 12 cells, as `cloth-bench` takes it; the builder lays none by itself) follow the first half second of the
-//!   hanging sheet closely; over five seconds its swinging dies away sooner than it should, and a sheet of 0.3 m, light
-//!   and stiff (0.1 kg/m², 4.8·10⁴ N/m, 1/120 s), falls by half of what it should. So the default goes on, from ten to
-//!   300 iterations, until its Newton decrement is a twentieth of the change of velocity
-//!   ([`PdConfig::velocity_tolerance`]). [Below](#when-not-to-use-this-method) is what each loses at 64 a side, where 8
-//!   cells, 6 iterations and 5 pairs lose 86 % of the kinetic energy; at 32 a side ten iterations lose 46 %. Rounding
-//!   alone moves that: with sums in another order, or with the factor in single precision, ten lose 44 to 52 % at 64 a
-//!   side, 16 cells and 18 iterations 12 to 17 %, which take 1.6 to 1.7 times as long.
+//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Ten, with a coarse
+//!   grid of 12 cells, follow the first half second of the hanging sheet closely. Over five seconds its swinging dies
+//!   away sooner than it should ([below](#when-not-to-use-this-method)), and a light, stiff sheet (0.3 m, 0.1 kg/m²,
+//!   4.8·10⁴ N/m, 1/120 s) falls by half of what it should. So the default goes on, from ten to 300 iterations, until
+//!   its Newton decrement is a twentieth of the change of velocity ([`PdConfig::velocity_tolerance`]).
 //!
 //!   *Why.* Folds are missing. A fold moves some vertices across the cloth and others a little along it, so that no
 //!   spring is stretched. The matrix is as stiff across a spring as along it, and the hats of a grid are too wide for
 //!   the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's
 //!   method, for which three iterations are enough. So folds go on with the velocity that they have, and what should
-//!   have bent is compressed (9 times the elastic energy with ten iterations, at 64 a side). `G` has a narrow, curved
-//!   valley along which the cloth bends; `quasi_newton.rs` has what was tried in vain.
+//!   have bent is compressed.
 //!
-//!   *One instant misleads.* The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the
-//!   same largest stretch to 1 % (32 a side). But a motion with too little energy is at another point of its swing, so
-//!   that a setting may be right at the last step and 36 % off on average; and rounding alone moves the last step: with
-//!   10 cells, three orders of adding up the springs had −28, −0.5 and −0.2 %.
-//! - A chain of 20 links, swinging, has fallen 3 % too little after five seconds by 6 iterations, 0.2 % by 8.
+//!   *One instant misleads.* Rounding alone (another order of adding up the springs) moves the largest stretch at the
+//!   last step between −28 and −0.2 % (10 cells), the mean kinetic energy between −44 and −52 %: compare means.
 //! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])` where no pin or body
-//!   moves: one that ends above is taken again, which the hanging sheet never needs. In energies, V the elastic one and
-//!   that of gravity: `V(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ V(x[0]) + ½ ‖v[0]‖²_M`, so a tangle cannot store more than the
+//!   moves: one that ends above is taken again, which the hanging sheet never needs. In energies, W the elastic one and
+//!   that of gravity: `W(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ W(x[0]) + ½ ‖v[0]‖²_M`, so a tangle cannot store more than the
 //!   whole energy before. Where E is convex and the step ends at the exact minimum of `G`, `½ ‖v[1]‖²_M` may be added
 //!   on the left: no energy is gained. Plain and Chebyshev iterations from there, and all from x̃, have no such
 //!   safeguard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from
@@ -461,9 +454,10 @@
 //! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing
 //!   holds starts with the right momentum, and every direction keeps it. The start at `x[0]` gains it with the first
 //!   full step. Angular momentum is not: implicit Euler does not conserve it (`components.rs` has both).
-//! - Only energies of the form above. Springs, stitches, hinges flat or curved at rest or on midpoints,
-//!   as-rigid-as-possible triangles, strain limits and attachments have it; an energy with a varying stiffness does
-//!   not. The hyperelastic energies of Liu et al. (2017), with a w that shapes A alone, are not offered.
+//! - Only energies of the form above: springs, stitches, hinges that are flat at rest (at vertices or, as
+//!   [`MidpointHinge`](cloth_core::energy::MidpointHinge), at edge midpoints) or curved, as-rigid-as-possible triangles
+//!   and tetrahedra, strain limits, attachments. An energy with a varying stiffness has another form, and so have the
+//!   hyperelastic ones of Liu et al. (2017), whose w shapes A alone.
 //! - Isotropic materials only: no element has moduli of its own along warp and weft.
 //! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
@@ -481,19 +475,16 @@
 //! | a reference | [`PdConfig::tolerance`] of 10⁻⁶ and [`PdConfig::most_iterations`] of thousands |
 //! | the method as published | [`PdConfig::plain`] |
 //!
-//! It is for many steps with one mesh and one step size on a processor: an iteration costs two passes over a small
-//! factor, with the whole matrix none raises `G`, and no step size is too large. With the default a step of the sheet
-//! above takes, at 64 a side, about a quarter of the time of converged implicit Euler around multigrid, for a fall
-//! within 0.1 % and a stretch within 3 % after half a second; what to take for longer motion is said above. Where the
-//! motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is
-//! replaced altogether between steps, the position-based methods have no matrix to factorise.
+//! It is for many steps with one mesh and one step size on a processor: no step size is too large, and an iteration
+//! costs two passes over a small factor. At 64 a side a step of the default takes about a quarter of the time of
+//! converged implicit Euler around multigrid, for a fall within 0.1 % and a stretch within 3 % after half a second.
 //!
 //! # When not to use this method
-//! Where seconds of motion have to look right, take a step of implicit Euler (`cloth-massspring`) that is cut short:
-//! `ImplicitConfig::truncated`, three Newton iterations with the clamped Hessian, each of at most five conjugate
-//! gradients around a multigrid cycle, from `x[0] + Δt v[0]`. Five seconds of the sheet, relative to converged implicit
-//! Euler; means over the last 100 of 300 steps, `elastic` at the last, processor time of a run on one thread, setting
-//! up included, in milliseconds a step (AMD EPYC, Zen 4; other programs ran beside it, so that only ratios count):
+//! Where seconds of motion have to look right and nothing touches, take a step of implicit Euler (`cloth-massspring`)
+//! that is cut short: `ImplicitConfig::truncated`, three Newton iterations with the clamped Hessian, each of at most
+//! five conjugate gradients around a multigrid cycle, from `x[0] + Δt v[0]`. Five seconds of the sheet, relative to
+//! converged implicit Euler; means over the last 100 of 300 steps, `elastic` at the last, processor time on one thread
+//! in milliseconds a step (AMD EPYC, Zen 4, beside other programs, so that only ratios count):
 //!
 //! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
 //! |---|---|---|---|---|---|---|
@@ -508,12 +499,17 @@
 //!
 //! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd`, `--set iterations=10`, or `iterations=18` and
 //! `coarse=16`, or `--method implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5`
-//! and `--set start=inertial`; `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics
-//! is 1.6 times as fast or more than any setting of implicit Euler that was tried and keeps most of the swing. Its
-//! error does not become small, though: for 1.7 times the time of its best setting the energy is right and the folds
-//! are bent rather than compressed.
+//! and `--set start=inertial`.) Projective dynamics is 1.6 times as fast or more, and keeps most of the swing, but its
+//! error does not become small: for 1.7 times its time the energy is right, and folds are bent, not compressed.
 //!
-//! In contact these times do not hold; `cloth-bench study decision` has a table with contact.
+//! In contact these times do not hold, and `truncated` is refused; `cloth-bench study decision` has a table with
+//! contact. To the last digits Newton's method (`cloth-massspring`) gets in a dozen iterations. Other cases:
+//! - **Other energies**, such as neo-Hookean: ADMM (Narain et al. 2016, Overby et al. 2017) keeps local steps and a
+//!   constant matrix, with a multiplier an element, but no longer lowers `G` in every iteration; or Newton's method.
+//! - **A factor that does not fit** into the memory, or a GPU, on which triangular solves wait: in its place sweeps of
+//!   Gauss–Seidel over coloured vertices (Fratarcangeli et al. 2016), Jacobi's method (Wang 2015), conjugate gradients.
+//! - **Stiffness or mesh that changes in every step**: position-based methods (`cloth-xpbd`) factorise nothing.
+//! - **Hard constraints**: w has to be finite, and a high one slows the iteration down. XPBD has zero compliance.
 //!
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method. `examples/hanging.rs`: iterations against the minimum of `G`
@@ -522,7 +518,7 @@
 //!    gradient.
 //! 3. `local.rs`: a family of elements; `batch.rs`: the formula of one. For speed: `vertex_blocks.rs`,
 //!    `deinterleaved.rs`, `quadratic.rs`.
-//! 4. `matrix.rs`: A; `global.rs`: its factor; `panel.rs`: the factor as a stream, and the solve with it
+//! 4. `matrix.rs`: A; `global.rs`: its factor; `panel.rs`: the factor in panels, and the solve with it
 //!    (`panel/parts.rs`: cut for threads); `woodbury.rs`: the solve after a change of a few rows; `change.rs`: pins,
 //!    attachments and elements that come and go.
 //! 5. `chebyshev.rs`, `quasi_newton.rs`, `coarse.rs` with `lattice.rs`: the accelerations.
@@ -552,6 +548,10 @@
 //!   "Efficient GPU cloth simulation with non-distance barriers and subspace reuse", ACM Trans. Graph. 43(6), 2024,
 //!   <https://arxiv.org/abs/2403.19272>.
 //! - Y. Peng et al., "Anderson acceleration", ACM Trans. Graph. 37(4), 42, 2018, <https://doi.org/10.1145/3197517.3201290>.
+//! - R. Narain, M. Overby, G. E. Brown, "ADMM ⊇ projective dynamics", SCA 2016, <https://doi.org/10.2312/sca.20161219>;
+//!   M. Overby et al., IEEE TVCG 23(10), 2017, <https://doi.org/10.1109/TVCG.2017.2730875>: hyperelastic energies.
+//! - M. Fratarcangeli, V. Tibaldo, F. Pellacini, "Vivace", ACM Trans. Graph. 35(6), 2016,
+//!   <https://doi.org/10.1145/2980179.2982437>: Gauss–Seidel on a GPU.
 //! - M. Li et al., "Incremental potential contact", ACM Trans. Graph. 39(4), 49, 2020,
 //!   <https://doi.org/10.1145/3386569.3392425>: lagged friction.
 //! - L. Wu et al., "A safe and fast repulsion method", ACM Trans. Graph. 40(1), 2020,

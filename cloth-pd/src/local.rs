@@ -4,9 +4,17 @@
 //! *A spring, a curved hinge.* p = r z/‖z‖. At z = 0 every point of the sphere is as near; p is then r times a unit
 //! vector that the numbers of two vertices give ([`length_and_direction`](cloth_core::math::length_and_direction)).
 //!
-//! *Nearest to F = U Σ Vᵀ* is P = U clamp(Σ) Vᵀ: ‖F − P‖² = ‖F‖² − 2 F:P + ‖P‖², and F:P ≤ Σ σᵢ(F) σᵢ(P) (von Neumann),
-//! with equality for P with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F is
-//! 3 × 2, so there are no reflections to exclude.
+//! *Nearest to F = U Σ Vᵀ* is p = U clamp(Σ) Vᵀ: ‖F − p‖² = ‖F‖² − 2 F:p + ‖p‖², and F:p ≤ Σ σᵢ(F) σᵢ(p) (von Neumann),
+//! with equality for p with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F of
+//! a triangle is 3 × 2, so there are no reflections to exclude: what is turned over in space is a rotation.
+//!
+//! *A tetrahedron* (`project` of [`ArapTetrahedron`](cloth_core::energy::ArapTetrahedron)) has F of 3 × 3, and its p
+//! must be a rotation: with plain singular values U Vᵀ would be a reflection where det F < 0, and a tetrahedron turned
+//! inside out would be at rest. So U and V are taken as rotations, and the smallest singular value gets the sign of det
+//! F: σ₁ ≥ σ₂ ≥ |σ₃|. Then U Vᵀ is the nearest rotation: F:p = Σ σᵢ rᵢᵢ with the rotation r = Uᵀ p V. The diagonal of a
+//! rotation is a mean of (1, 1, 1), (1, −1, −1), (−1, 1, −1) and (−1, −1, 1), and of these the first has the largest
+//! sum, by 2 (σ₂ + σ₃) at least; it is that of r = I. `½ w Σ (σᵢ − 1)²` with σ₃ < 0 then pushes the tetrahedron back
+//! through σ₃ = 0. p is unique where σ₂ + σ₃ > 0.
 //!
 //! *A triangle* (`project` of [`ArapTriangle`](cloth_core::energy::ArapTriangle) and
 //! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)): the singular values of F = (f, g), 3 × 2, by one
@@ -32,6 +40,22 @@
 //! is pushed to either side. Turned over it is at rest as before; only the hinges to its neighbours are not. On
 //! the ridge the energy is continuous and any of the nearest p bounds it, so the iteration descends from there too.
 //! With a lower limit of 0 the set is convex, and p continuous everywhere.
+//!
+//! *The Hessian* of an element is `w Sᵀ (I − ∂p/∂z) S`. ∂p/∂z is symmetric, and in closed form
+//! ([`Projective::projected_hessian`] of each element):
+//!
+//! | set | eigenvalues of I − ∂p/∂z |
+//! |---|---|
+//! | sphere of radius r (spring, curved hinge, stitch) | 1 along z; 1 − r/‖z‖ across it, twice |
+//! | maps without strain (triangle) | 1, three times; 1 − 2/(σ₁ + σ₂), a turn in the plane; 1 − 1/σ₁ and 1 − 1/σ₂, out of it |
+//! | rotations (tetrahedron) | 1, six times; 1 − 2/(σᵢ + σⱼ) for each of three pairs |
+//! | limit of a spring, c = clamp(‖z‖) | 0 along z within the range, 1 beyond it; 1 − c/‖z‖ across it, twice |
+//! | limit of a triangle, c = clamp(σ) | 0 or 1 likewise for each σₖ; 1 − (c₁ + c₂)/(σ₁ + σ₂), 1 − (c₁ − c₂)/(σ₁ − σ₂), 1 − cₖ/σₖ |
+//! | a point (flat hinge, attachment) | 1 |
+//!
+//! One below zero belongs to a compressed element, whose energy falls when it turns. For H it is set to zero
+//! ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)), element by element, so each adds a positive
+//! semi-definite matrix, and `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z)₊ S` is positive definite, at least M/Δt² and at most A.
 
 use crate::batch::{BATCH_SIZE, projected_hessians_on_spheres, unpacked};
 use crate::global::Term;

@@ -7,18 +7,18 @@
 //!
 //! So with active contacts the direction d solves `(H + Σ k J Jᵀ) d = −∇G`, `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z) S` the
 //! projected Hessian at the iterate, by conjugate gradients around a multigrid cycle
-//! ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)). The constant matrix has no part in it.
+//! ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)). The constant matrix has no part in it. It
+//! is positive definite: of each element the negative eigenvalues of I − ∂p/∂z are set to zero (`local.rs` has them),
+//! and k ≥ 0.
 //!
 //! *Bending.* The pattern of H has the pairs of vertices that springs, triangles and tetrahedra couple. A quadratic
 //! hinge couples its wing tips too. That entry v is lumped: |v| is added to both diagonal entries, which is no less for
 //! any displacement, and the same for a translation where v is positive.
 //!
-//! *Tried.* The constant matrix as the preconditioner, alone or with the inverses of the 3 × 3 blocks on the diagonal
-//! added to its own: conjugate gradients then take 40 to 70 iterations to a fifth of the residual, here 5 to 25 to a
-//! tenth. A sheet on a ball took 1.6 times as long, a tablecloth that is pulled away 1.8 times with 18 % less fall, and
-//! light cloth over a table's edge fell 0.046 m instead of 0.053, in 10 times the time. Conjugate gradients that end at
-//! the trust radius (Steihaug 1983): a third less time on the ball, but what slides freely is the last that they find,
-//! and a towel without friction fell 0.36 m instead of 2.1. A nonmonotone line search (Grippo et al. 1986) is slower.
+//! *Tried.* With the constant matrix as the preconditioner, alone or with blocks of the diagonal, conjugate gradients
+//! take 40 to 70 iterations to a fifth of the residual, here 5 to 25 to a tenth. Ending them at the trust radius
+//! (Steihaug 1983) loses what slides freely, the last that they find. A nonmonotone line search (Grippo et al. 1986) is
+//! slower.
 
 use crate::contact::Contact;
 use crate::lattice::{ElementProlongation, PaddedBlock};

@@ -9,11 +9,8 @@
 //! of a row share a vector register, the factor is read twice for all three and not twice for each, and the right-hand
 //! sides of a panel of up to four columns stay in registers while its rows go by.
 //!
-//! The factor in single precision is not faster (AMD EPYC, Zen 4, one thread), though the iteration converges as well
-//! by it: a number has to be widened before it is used. A solve takes 83 µs instead of 63 at 64 vertices a side, 480
-//! instead of 360 at 128, 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes 5.7 and 8.3
-//! times as long). These were taken on another day of the same machine than those of the [crate page](crate), so only
-//! ratios count.
+//! The factor in single precision is not faster (a solve takes 1.3 times as long at 64 and 128 vertices a side, 1.1
+//! times at 256; AMD EPYC, Zen 4, one thread), as a number has to be widened before it is used.
 
 mod parts;
 
@@ -28,7 +25,7 @@ const WIDEST: usize = 4;
 /// x, y, z and one lane of padding, so that compilers use whole vector registers.
 type Lanes = [Real; 4];
 
-/// `L` of a factorisation `P A Pᵀ = L Lᵀ`, as panels.
+/// `L` of a factorisation `Π A Πᵀ = L Lᵀ`, Π a permutation, as panels.
 ///
 /// A *panel* is up to four neighbouring columns with the same rows below them. It keeps its triangle, the diagonal
 /// inverted, then its rows from top to bottom; the forward pass reads the numbers from first to last, the backward pass

@@ -6,9 +6,10 @@
 //!
 //! f = Σ w Sᵀ(S x⁺ − p) = ∂E/∂x + Σ w SᵀS (x⁺ − x),
 //!
-//! and it is in balance with the momentum of x⁺ whatever p is: M (x⁺ − x̃)/Δt² = −f at free vertices, and the sum of f
-//! over all vertices is zero. At prescribed ones it is what moves the cloth. x⁺ itself is near x long before the forces
-//! are, since the matrix knows how stiff the edges are.
+//! and it is in balance with the momentum of x⁺ whatever p is: M (x⁺ − x̃)/Δt² = −f at free vertices. Of elements whose
+//! rows of S sum to zero the f over all vertices add up to zero (attachments and the like push from outside), so at
+//! prescribed ones f is what moves the cloth. x⁺ itself is near x long before the forces are, since the matrix knows
+//! how stiff the edges are.
 
 use crate::contact::Contact;
 use crate::solver::PdSolver;

@@ -10,7 +10,7 @@ use sprs::{CsMatI, TriMatI};
 /// x, y, z and a fourth number, so that a row of a product is a sum of whole registers.
 pub(crate) type Padded = [Real; 4];
 
-/// `Q = Σ w SᵀS` over the families of constant projection, both halves, over all vertices; prescribed ones move too.
+/// `Σ w SᵀS` over the families of constant projection, both halves, over all vertices; prescribed ones move too.
 #[derive(Debug)]
 pub(crate) struct Quadratic {
     /// Row i: `columns[offsets[i]..offsets[i + 1]]`, and its values (N/m) likewise.
@@ -55,7 +55,7 @@ impl Quadratic {
         self.values.is_empty()
     }
 
-    /// An entry of `Q q` (N) for a displacement q (m).
+    /// An entry of the product (N) with a displacement q (m).
     #[inline(always)]
     pub(crate) fn times(&self, row: usize, q: &[Padded]) -> Padded {
         let range = self.offsets[row] as usize..self.offsets[row + 1] as usize;

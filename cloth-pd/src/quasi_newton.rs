@@ -27,16 +27,11 @@
 //! not searched; with bending left out, or the drag of the air, it is searched if G rises. In contact it always is; if
 //! that fails the step ends where it is, with [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent).
 //!
-//! *A wrong weight* is in A alone: value and gradient stay those of the material. Ten times too small, a plain
-//! iteration diverges and the search shortens steps to a tenth; ten times too large, it keeps 0.9 of an error. (For
-//! hyperelastic energies, which are not here, Liu et al. fit w by linear regression to the stress over the stretches
-//! expected.)
+//! *The weight* w is in E and in A alike ([crate page](crate#idea)): another w is another material. (Hyperelastic
+//! energies, which are not here, have a w that shapes A alone; Liu et al. fit it by linear regression to the stress.)
 //!
-//! *Tried in vain*, on the hanging sheet of the crate page at 32 or 64 a side: a start extrapolated with the last
-//! change of velocity; pairs kept from the step before, as they are (the steps then need line searches) or with their
-//! changes of gradient taken anew; hats that are quadratic or cubic splines; stiffness summed up over whole cells;
-//! blocks of the Hessian's diagonal as a third term of the initial inverse Hessian, on the vertices and on finer grids,
-//! which moves vertices out of the cloth so far that the springs, which then stretch, take the energy away.
+//! *Tried in vain* against missing folds ([limits](crate#limits)): a start extrapolated with the last change of
+//! velocity, pairs kept from the step before, hats that are splines, blocks of the Hessian's diagonal as a third term.
 
 use crate::coarse::CoarseGrid;
 use crate::contact::{Contact, ContactSystem};

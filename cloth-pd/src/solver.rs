@@ -21,6 +21,26 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 
 /// Projective dynamics; see the [crate documentation](crate).
 ///
+/// # A step of the default
+/// Quasi-Newton with two pairs from `x[0] + Δt v[0]`, where nothing touches (`contact.rs` has the order in contact):
+/// 1. Factorise A if Δt is new; where pins, attachments or elements have changed, correct the factor or factorise.
+/// 2. Predict x̃. Start at `x = x[0] + Δt v[0]`, prescribed vertices at their ends, components that nothing holds where
+///    their momentum takes them.
+/// 3. With a coarse grid: H at x, `PᵀHP` and the levels of its cycle V.
+/// 4. The local step: p of every element, with it `G` and g = ∇G at x. In free fall (no force but gravity and load) the
+///    step is done.
+/// 5. Direction d = −B g: the two loops of L-BFGS over the last two pairs, and between them the global step `A⁻¹ r`,
+///    with a coarse grid and `P V Pᵀ r`.
+/// 6. Line search: x ← x + t d, t = 1 or the first shorter one of at most twelve at which `G` has fallen enough
+///    (Armijo). Each trial is a local step; that of the accepted one serves the next iteration. If d ascends, or none
+///    will do, the pairs are cleared, and d = −A⁻¹ g.
+/// 7. Keep the pair s = Δx, y = Δg if s·y > 0.
+/// 8. Go on at 5, ten iterations at least (twenty where pins move), until the Newton decrement and the fall of `G` are
+///    small enough ([`PdConfig::velocity_tolerance`]: `Converged`), at most 300 (`BudgetSpent`).
+/// 9. If x is above `G(x[0])`: once more from 3, with x = `x[0]`.
+/// 10. `x[1] = x`, `v[1] = (x − x[0])/Δt`.
+///
+/// # Report
 /// A step reports as factorisations those of the constant matrix: 1 in the first step, for another Δt, and where so
 /// many pins or elements have changed that a correction is dearer; else 0. Its residual is
 /// `‖∇G(x)‖/max(‖∇G(x̃)‖, ‖∇C(x)‖)`, with a tolerance only; C is the potential of contact.
@@ -70,9 +90,9 @@ const MIN_ITERATIONS_IN_CONTACT: u32 = 30;
 /// Factor on the tolerance with active contacts. A cloth of 1 kg/m² that lands on a ball, and is stopped within a step,
 /// keeps 0.35 J of kinetic energy with all of it, 1.1 J with a half, 1.3 J with this; converged, 1.3 to 1.4 J.
 const CONTACT_TOLERANCE_FACTOR: Real = 0.3;
-/// So many directions of Newton's method have to get to this fraction of the tolerance: where they converge fast, a few
-/// more cost little. The tolerance is relative to all forces, and those that friction or a body holds hide what slides:
-/// with all of it from the start a towel slid 4.6 % less far from its rail, with this 0.2 %.
+/// Before this many directions of Newton's method they have to get to this fraction of the tolerance: where they
+/// converge fast, a few more cost little. The tolerance is relative to all forces, and those that friction or a body
+/// holds hide what slides: with all of it from the start a towel slid 4.6 % less far from its rail, with this 0.2 %.
 const EARLY_NEWTON_ITERATIONS: u32 = 16;
 const EARLY_TOLERANCE_FACTOR: Real = 0.1;
 /// Factor on the tolerance without active contacts. Ten iterations a step leave a light, stiff sheet (0.3 m, 0.1
@@ -406,15 +426,14 @@ impl PdSolver {
     ///
     /// Values of `G` are known up to a constant of the step ([`Objective`]): inertia and the energy of the families of
     /// constant projection count from `x[0]`, with 0 there. So the value at `x[0]` is the energy of all other elements,
-    /// of attachments that came later and of contact, none of them negative: where no pin or body moves, an end whose
-    /// value is at most 0 is not above `x[0]`, and need not be compared. In three cases the value at the fallback can
-    /// be below 0, and an end between it and 0 is kept all the same:
+    /// of attachments that came later and of contact, none of them negative: an end whose value is at most 0 is not
+    /// above `x[0]`, and is kept without a comparison. The fallback is `x[0]` but in three cases. Its value may be
+    /// below 0 there, and an end between the two is kept all the same:
     /// - A free component without contact has moved as its momentum takes it, its mean (by mass) by ū. That changes no
-    ///   elasticity and lowers the value by `m ‖ū‖²/(2Δt²)`, m its mass. `G(x[1]) ≤ G(x[0])` still holds, with `x[0]`
-    ///   as it is.
-    /// - Where a pin moves, the families of constant projection may store less at the fallback than at `x[0]`. The end
-    ///   that is kept is above the fallback by no more than what they store at `x[0]`.
-    /// - Where contact has led free vertices around a body that moves, the fallback is not `x[0]`, and has inertia too.
+    ///   elasticity and lowers the value by `m ‖ū‖²/(2Δt²)`, m its mass. `G(x[1]) ≤ G(x[0])` still holds.
+    /// - A pin moves: the families of constant projection may store less at the fallback than at `x[0]`. The end that
+    ///   is kept is above the fallback by no more than what they store at `x[0]`.
+    /// - Contact has led free vertices around a body that moves: the fallback has inertia too.
     fn fall_back_if_higher(
         &mut self,
         state: &State,

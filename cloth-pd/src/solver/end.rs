@@ -7,8 +7,9 @@ use cloth_core::step::StepReport;
 
 /// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
 const BALANCE_TOLERANCE: Real = 1e-8;
-/// The same over the tolerance of the velocities, in a step that goes on until these are near enough. As H is at least
-/// M/Δt², they are off by no more than this in the norm of M.
+/// The same over the tolerance of the velocities, in a step that goes on until these are near enough. Where the Hessian
+/// of `G` is at least M/Δt² (no compressed elements) the change of velocity is off by no more than this fraction of it,
+/// in the norm of M.
 const BALANCED_VELOCITIES: Real = 1e-4;
 /// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
 const NEGLIGIBLE_SPEED: Real = 1e-6;
