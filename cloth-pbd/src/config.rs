@@ -12,8 +12,8 @@ use cloth_core::method::position_based::{Acceleration, Sweep};
 /// *Which relaxation is stable in a Jacobi sweep?* With fractions sⱼ it takes an error e to `e − ω Σ sⱼ Pⱼ e`, ω the
 /// relaxation and Pⱼ the projector, orthogonal in the metric of M, onto what row j moves. Since
 /// `Σ sⱼ ‖Pⱼ e‖²_M ≤ Σᵢ mᵢ ‖eᵢ‖² Σ sⱼ`, the last sum over the elements at vertex i, the eigenvalues of Σ sⱼ Pⱼ lie
-/// between 0 and the largest such sum. Averaged it is at most 1, and every ω < 2 is stable; in full, with at most a
-/// elements at a vertex, it is at most a, and ω < 2/a is stable.
+/// between 0 and the largest such sum. Averaged it is at most 1, and every ω < 2 is stable; in full it is
+/// at most the number d of elements at one vertex, and ω < 2/d is stable.
 ///
 /// *A heavy end.* A chain of N rigid links of masses m, held at one end, has a mass M ≫ N m at the other. With J =
 /// ∂C/∂x the sweeps solve `A λ = b`, A = J W Jᵀ, W the inverse masses, D the diagonal of A. Jacobi's factor μ of an

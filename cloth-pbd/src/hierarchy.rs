@@ -22,8 +22,8 @@ pub struct HierarchyConfig {
     pub levels: u32,
     /// Parents that a vertex inside the cloth has at least on the next coarser level, at least 1.
     pub parents: u32,
-    /// Sweeps over the links of the first coarse level in one correction, at least 1. Each further level has
-    /// about half as many vertices, and gets twice as many sweeps, at the same work in all.
+    /// Sweeps over the links of the first coarse level in one correction, at least 1. Each further level has about half
+    /// as many vertices, and gets twice as many sweeps: every level costs about the same.
     pub sweeps: u32,
     /// Fraction (dimensionless, above 0 and at most 1) of its excess length that a link loses in a visit.
     pub stiffness: Real,
@@ -51,14 +51,19 @@ impl Default for HierarchyConfig {
 /// Coarse levels of a cloth, for [`PbdSolver::with_hierarchy`](crate::PbdSolver::with_hierarchy).
 ///
 /// A Gauss–Seidel sweep propagates a correction from neighbour to neighbour; a cloth of N vertices a side takes of the
-/// order of N² sweeps to converge. A level with half of the vertices takes half of the sweeps, each half as much work.
+/// order of N² sweeps to converge, in proportion to its vertices. A level with half of the vertices takes half of the
+/// sweeps, at half the work each. A correction does not save that work: it makes *twice* as many sweeps on each further
+/// level, so that all levels cost the same. The coarser a level, the nearer it comes to convergence, and the longest
+/// waves of the error, which the sweeps over the cloth hardly reach, are corrected best.
 ///
-/// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]; prescribed vertices are kept. Vertices are
-///   tested greedily in index order, those of the boundary first, whether they can be left out: a vertex inside if it
-///   still has `parents` neighbours that are kept, and lies no farther from their weighted mean than 0.3
-///   of their mean distance; one on the boundary if both neighbours there are kept; and if the same still holds of its
-///   neighbours that were left out before. Each level is a subset of the one before, of at most four fifths of its
-///   vertices, mostly about half; with fewer than four vertices, or more than four fifths, there is none.
+/// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]. Vertices are tested one after another in the
+///   order of their numbers, those of the boundary first. One is left out if it is not prescribed, and
+///   - it lies inside, at least `parents` of its neighbours are kept, and their weighted mean is within 0.3 of their
+///     mean distance from it; or it lies on the boundary, and its two neighbours there are kept;
+///   - and the same still holds of its neighbours that were left out before.
+///
+///   Each level is a subset of the one before, of at most four fifths of its vertices, mostly about half. With fewer
+///   than four vertices, or more than four fifths, there is no further level.
 /// - **Weights.** A vertex i that is left out has as parents j all its neighbours that are kept
 ///   ([`Hierarchy::parents`]), on the boundary the two there. With their displacements rⱼ at rest from i, distances ℓⱼ
 ///   along the link, mean `m = Σⱼ bⱼ rⱼ` and covariance `K = Σⱼ bⱼ (rⱼ − m)(rⱼ − m)ᵀ` by the weights b of distance
@@ -74,8 +79,9 @@ impl Default for HierarchyConfig {
 ///   are. The length of a link is the geodesic distance over the cloth at rest
 ///   ([`Geodesics`](cloth_core::method::multigrid::Geodesics)), so no folding, bending or unrolling without stretch
 ///   makes one longer, as with [long-range attachments](crate#long-range-attachments). Where no link is too long,
-///   however short some are, no link does anything, so zero-energy configurations of the cloth are those of every
-///   level: a coarse level does not resist bending. Links that kept their length in both directions, as rods, would.
+///   however short some are, no link does anything. So the zero-energy configurations of the cloth, those in which
+///   nothing is stretched, as folds, have no energy on any level: a coarse level does not resist bending. Links that
+///   kept their length in both directions, as rods, would.
 /// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. Each
 ///   then has one of three states. Longer than L at rest, it pulls. Shorter than when the sweeps of its level began
 ///   (than L, if it was longer), because others were corrected, it pushes back to that length and no further. Between

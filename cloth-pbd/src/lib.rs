@@ -1,4 +1,4 @@
-//! Position-based dynamics (PBD): predict positions by free flight, then project them onto the constraints.
+//! Position-based dynamics (PBD): predict positions without inner forces, then project them onto the constraints.
 //!
 //! # Example
 //! ```
@@ -27,11 +27,11 @@
 //! a model, and `PbdSolver::builder(&model.particles)` with `.elements(model.families())` takes it.
 //!
 //! # Idea
-//! A stiff spring makes a stiff differential equation. PBD does not integrate it. It moves each vertex by free flight,
-//! then visits the constraints one after another, and moves the few vertices of each along its gradient, light ones
-//! further, until it is satisfied or, for a soft one, partly so. The next constraint sees the positions that the one
-//! before it wrote (Gauss–Seidel). The velocity follows from the positions at the end. No force is computed, no system
-//! solved, and no spring overshoots: unless over-relaxed (by a
+//! A stiff spring makes a stiff differential equation. PBD does not integrate it. It predicts where each vertex goes by
+//! its velocity and the external forces alone, then visits the constraints one after another, and moves the few
+//! vertices of each along its gradient, light ones further, until it is satisfied or, for a soft one, partly so. The
+//! next constraint sees the positions that the one before it wrote (Gauss–Seidel). The velocity follows from the
+//! positions at the end. No force is computed, no system solved, and no spring overshoots: unless over-relaxed (by a
 //! [`relaxation`](cloth_core::method::position_based::Acceleration) above 1), a visit never moves it beyond its rest
 //! length.
 //!
@@ -50,13 +50,13 @@
 //! has a prescribed vertex does not. In the same way `Σ xᵢ × mᵢ Δxᵢ = Δλ Σ xᵢ × ∂C/∂xᵢ` is zero where C is invariant
 //! under rotation. A vertex with w = 0 does not move.
 //!
-//! **All constraints.** Backward Euler's step is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the end of the free
-//! flight, since its stationary point has `M (x − x̃)/h² = −∂E/∂x`. For infinitely stiff E that is the point nearest to
-//! x̃, in the metric of M, at which all constraints hold. A sweep of projections from x̃ is one Gauss–Seidel iteration
-//! towards it (exactly so where the constraints are linear): *PBD is the hard limit of backward Euler, solved
-//! approximately*. In that limit k has no place. With J = ∂C/∂x the system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit
-//! relaxes one row of it. For curved constraints J changes as the sweeps move x, so they end on C = 0, but not exactly
-//! at the nearest point. Soft constraints add `1/(k h²)` to the diagonal.
+//! **All constraints.** Backward Euler's step is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the predicted positions,
+//! since its stationary point has `M (x − x̃)/h² = −∂E/∂x`. For infinitely stiff E that is the point nearest to x̃, in
+//! the metric of M, at which all constraints hold. A sweep of projections from x̃ is one Gauss–Seidel iteration towards
+//! it (exactly so where the constraints are linear): *PBD is the hard limit of backward Euler, solved approximately*.
+//! In that limit k has no place. With J = ∂C/∂x the system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit relaxes one row of it.
+//! For curved constraints J changes as the sweeps move x, so they end on C = 0, but not exactly at the nearest point.
+//! Soft constraints add `1/(k h²)` to the diagonal.
 //!
 //! **Why k needs a λ.** The equation of a soft constraint is `C + w̃ Δλ + (λ + Δλ)/(k h²) = 0`, so a visit makes
 //! `Δλ = −(C + λ/(k h²))/(w̃ + 1/(k h²))`, λ the sum of its Δλ in this substep. The term with λ says how much of its
@@ -78,13 +78,15 @@
 //! With a fixed s ([`StiffnessRule::Fixed`]) the cloth is stiffer exponentially in n, and as 1/h². The second line is
 //! [`StiffnessRule::Material`], the default: that is how the same k (N/m) that the other methods take reaches PBD.
 //! (Springs get theirs from a membrane modulus Y (N/m), Young's modulus times thickness, by
-//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus).) It is exact for one constraint alone whose C is linear
-//! along its correction, as a spring's is, and for nothing else; see the [limits](#limits).
+//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus). In names, `stiffness` of an element is k, that of
+//! [`PbdConfig`] the rule for s, and that of [`HierarchyConfig`] the s of coarse links.) The rule is exact for one
+//! constraint alone whose C is linear along its correction, as a spring's is, and for nothing else; see the
+//! [limits](#limits).
 //!
 //! # The step
 //! ```text
 //! for each substep of h = Δt/substeps:
-//!     v ← v + h (g + w f) where w > 0,  x̃ ← x + h v            free flight
+//!     v ← v + h (g + w f) where w > 0,  x̃ ← x + h v            prediction
 //!     x ← x̃
 //!     n times, for each row:  xᵢ ← xᵢ − s wᵢ ∂C/∂xᵢ C/w̃        one sweep; then over the contact constraints
 //!     v ← v + (x − x̃)/h                                        velocities from positions
@@ -97,20 +99,22 @@
 //! itself with [`PbdSolver`].
 //!
 //! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this takes is
-//! [`StepReport::pin_work`]. Nothing is carried from step to step but the state: a fresh solver continues a run with
-//! the same bits.
+//! [`StepReport::pin_work`] (but see the [limits](#limits)). Nothing is carried from step to step but the state: a
+//! fresh solver continues a run with the same bits. The s of a row is kept, but depends on w̃ and h alone, since k is
+//! constant: [`set_time`](cloth_core::element::Element::set_time) may change rest lengths and angles, and must not
+//! change k.
 //!
 //! **Stable?** Projecting onto a linear row with 0 ≤ s ≤ 1 takes x nearer, in `‖·‖_M`, to every point that meets it. So
 //! a step of one substep without forces from x⁰ with C(x⁰) = 0 gains no kinetic energy:
 //! `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖`. This is for linear rows and pins at rest, without extrapolation, a hierarchy or
 //! Jacobi sweeps in full. Where x⁰ violates rows, what the sweeps take back becomes velocity.
 //!
-//! **How much is lost?** Free flight is symplectic Euler, a row alone implicit Euler: both of order 1. A spring alone
-//! that oscillates along its axis divides its energy by 1 + k h² w̃ in a substep, as with implicit Euler. A rigid link
-//! about a prescribed end that has turned by α in one substep turns in the next by β with `tan β = sin α/(2 − cos α)`,
-//! β ≈ α − α³: velocities from positions point along the chord, and the projection removes what free flight along it
-//! adds to the radius. So a link that turns at ω loses the fraction 2 (h ω)² of its kinetic energy in a substep: order
-//! h in a given time.
+//! **How much is lost?** The prediction is a step of symplectic Euler, a row alone one of implicit Euler: both of order
+//! 1. A spring alone that oscillates along its axis divides its energy by 1 + k h² w̃ in a substep, as with implicit
+//! Euler. A rigid link about a prescribed end that has turned by α in one substep turns in the next by β with
+//! `tan β = sin α/(2 − cos α)`, β ≈ α − α³: velocities from positions point along the chord, and the projection removes
+//! what the prediction along it adds to the radius. So a link that turns at ω loses the fraction 2 (h ω)² of its
+//! kinetic energy in a substep: order h in a given time.
 //!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²`: distance, bending (flat, curved,
 //! by angle), area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
@@ -125,8 +129,13 @@
 //!
 //! *Angle.* θ is zero where the hinge is flat, and negative where the tips rise to the side of the normals: it knows up
 //! from down. θ − θ₀ is taken between −π and π, so a hinge more than half a turn from its rest angle unfolds the other
-//! way. Flat is no special case, since no arc cosine is differentiated. In a triangle of small height the gradient
-//! grows as its inverse, and the correction falls with it; a hinge with a triangle without area is left alone.
+//! way. Flat is no special case, since no arc cosine is differentiated. Where the gradient comes from: let the corners
+//! of the triangle 0, 1, 2 move by u₀, u₁, u₂ along its normal. The point of the edge nearest to the tip moves by (1 −
+//! t₂) u₀ + t₂ u₁, so the tip rises by u₂ − (1 − t₂) u₀ − t₂ u₁ above the edge. Over its height ‖n₂‖/‖e‖ this is the
+//! angle by which the triangle turns about the edge, and θ falls by it: `g₂ = −(‖e‖/‖n₂‖) n₂/‖n₂‖` at the tip, −t₂ g₂
+//! and −(1 − t₂) g₂ at the ends of the edge. Motion within its plane does not turn it; the other triangle adds its own.
+//! In a triangle of small height the gradient grows as its inverse, and the correction falls with it; a hinge with a
+//! triangle without area is left alone.
 //!
 //! Müller et al. 2007, appendix A, take `φ = arccos d` instead, d the product of the unit normals along e × (x₂ − x₀)
 //! and e × (x₃ − x₀). Then φ = π − |θ|, and `∂φ = −∂d/√(1 − d²)` is −sign(θ) ∂θ; but it is 0/0 where d = ±1, flat or
@@ -134,16 +143,18 @@
 //!
 //! *Which bending?* Isometric bending has `q = (c₁ + c₃, c₀ + c₂, −(c₀ + c₁), −(c₂ + c₃))` (dimensionless, sum 0), c₀
 //! and c₁ the cotangents at rest of the angles of triangle 0, 1, 2 at x₀ and x₁, c₂ and c₃ those of triangle 0, 1, 3; z
-//! (m) is zero where the hinge is flat and unstretched. It is linear in x, has a constant w̃ and is cheap
-//! ([costs](#costs)); take it for cloth that is flat at rest and hardly stretches. By angle where a fold has a rest
-//! angle, or is sharp. A spring between the tips ([`Spring::across`]) is no substitute: its length is stationary where
+//! (m) is zero where the hinge is flat and unstretched. To z each triangle adds a vector across the edge, from its tip
+//! to the edge and of the edge's length: the two are opposite where the hinge is flat, and add up to 2 ‖e‖ sin(θ/2)
+//! where it is folded ([derivation](cloth_core::energy::CurvatureHinge)). z is linear in x, has a constant w̃ and is
+//! cheap ([costs](#costs)); take it for cloth that is flat at rest and hardly stretches. By angle where a fold has a
+//! rest angle, or is sharp.
 //! the hinge is flat, so it does not resist a small bend. Kelager et al. 2010 keep the distance of one of three
 //! vertices from the centroid of the three: as cheap as a spring, without a side, and without a gradient where the one
 //! lies midway between the two others. That is not offered.
 //!
 //! | equation | function |
 //! |---|---|
-//! | free flight; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
+//! | inertial prediction; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
 //! | C, ∂C/∂x, k | [`Constraint::rows`] of each element of [`energy`](cloth_core::energy) |
 //! | `Δλ = −s C/w̃`: the formula of a row | `stiffness.rs`: `Projection::equation`, as `residual` = s C and `scaled_compliance` = 0 in `(w̃ + scaled_compliance) Δλ = −residual` |
 //! | `w̃`; that equation solved for `Δλ`; `wᵢ ∂C/∂xᵢ Δλ` of one element | `weight`; `change_over`; `row_by_row_correction` and its other forms in `cloth-core/src/method/position_based/correction.rs` |
@@ -160,34 +171,14 @@
 //! are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves the gradient `d/l`
 //! undivided and computes `Δλ/l = −s C/(w̃ l)`, so that one division does for two.
 //!
-//! **From the naive loop to the solver.** In `examples/first_program.rs`
-//!
-//! | naive | solver |
-//! |---|---|
-//! | `v[i] += …; x[i] += …` | [`Motion::predict`] |
-//! | `for spring in springs` | [`Families::sweep`], colour by colour unless sequential |
-//! | `value`, `gradient` | [`Constraint::rows`]; of a spring [`Constraint::row_form`], the gradient undivided |
-//! | `weight` | `correction.rs`: the sum of w for a spring, else `weight` |
-//! | `ratio`, `s` | `Projection::equation`: s is kept until w̃ changes, since a power costs more than the rest |
-//! | `x[a] += …; x[b] -= …` | `correction.rs` |
-//! | `v[i] += (x[i] - predicted[i]) / h` | [`Motion::update_velocities`] |
-//!
-//! After 30 steps both are within 1e-13 m of each other, not equal to the last bit: the solver orders the divisions as
-//! above, computes s with `exp_m1` and `ln_1p`, and from a w̃ rounded to 40 binary digits.
-//!
-//! **Layout.** All numbers are in double precision; a position is three of them in a row. The elements, their vertex
-//! numbers (a copy, checked once) and the memory of their rows are three arrays in the order of the visits, read from
-//! front to back; positions and inverse masses are gathered by vertex number, positions written back. No two elements
-//! share a register: where neighbours in the order share no vertex, as within a colour, the processor overlaps their
-//! roots and divisions itself. The loop is compiled a second time for AVX2, with the same bits. From 2¹⁷ vertices on
-//! the positions of the next 16 elements are prefetched. All this is `visit_each` in
-//! `cloth-core/src/method/parallel.rs`.
+//! `examples/first_program.rs` and the solver are within 1e-13 m of each other after 30 steps, not equal to the last
+//! bit: the solver divides in another order, computes s with `exp_m1` and `ln_1p`, and from a w̃ rounded to 40 binary
+//! digits. It keeps s until w̃ changes, since a power x^y costs more than the rest of a visit.
 //!
 //! [`Motion::predict`]: cloth_core::method::position_based::Motion::predict
 //! [`Motion::update_velocities`]: cloth_core::method::position_based::Motion::update_velocities
 //! [`Motion::count_pin_work`]: cloth_core::method::position_based::Motion::count_pin_work
 //! [`Constraint::rows`]: cloth_core::element::Constraint::rows
-//! [`Constraint::row_form`]: cloth_core::element::Constraint::row_form
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! # Order of the constraints, colours and threads
@@ -198,29 +189,20 @@
 //! any number of threads (feature `parallel`; a second thread takes part in colours of at least 4096 elements). A cloth
 //! of 2¹⁹ vertices or more is visited by blocks of 2¹⁴ vertices, the colours of one block before the next.
 //!
-//! *How many colours?* Where at most a elements of N vertices meet at a vertex, at least a, and at most N (a − 1) + 1:
-//! an element finds no more than a − 1 others at each of its vertices. Counted on sheets of 64 × 64 and of 128 × 128
-//! vertices of [`generate`](cloth_core::mesh::generate), in the order of their edge tables, with the same result:
-//!
-//! | sheet | springs at a vertex | colours | hinges at a vertex | colours |
-//! |---|---|---|---|---|
-//! | one-way, equilateral | 6 | 6 | 12 | 14 |
-//! | alternating | 8 | 8 | 16 | 18 |
-//! | crossed | 8 | 8 | 16 | 20 |
-//!
-//! They differ in size: of alternating hinges on 128 × 128 vertices the largest has 4096 and the smallest 151. A vertex
-//! with a elements makes at least a colours, prescribed or not; small ones are visited one after another on one thread.
-//! While it colours, the builder holds 8 bytes a vertex for every 64 colours.
+//! *How many colours?* Where at most d elements of N vertices meet at a vertex, at least d, and at most N (d − 1) + 1:
+//! an element finds no more than d − 1 others at each of its vertices. A sheet of squares with diagonals of alternating
+//! direction has d = 8 and 8 colours for its springs, d = 16 and 18 for its hinges. Small colours are visited one after
+//! another on one thread.
 //!
 //! [`Sweep::Sequential`] keeps the order given and one thread. Jacobi sweeps solve all elements at the same positions;
-//! averaged, each makes the fraction 1/b of its correction, b the most elements, of all families, at one of its free
-//! vertices. The fraction is that of the element: if each vertex divided what it receives by its own count, the two
-//! ends of a spring would be scaled differently, and momentum would be lost. Which relaxation is stable:
+//! averaged, each makes the fraction 1/b of its correction, b the largest number of elements, of all families, at one
+//! of its free vertices. The fraction is that of the element: if each vertex divided what it receives by its own count,
+//! the two ends of a spring would be scaled differently, and momentum would be lost. Which relaxation is stable:
 //! [`PbdConfig`](PbdConfig#how-fast-sweeps-converge).
 //!
 //! What one sweep leaves of the slowest error of a straight chain of N rigid links, held at one end:
 //!
-//! | sweep | factor | sweeps per decade, N = 20 |
+//! | sweep | factor | sweeps for a factor of ten, N = 20 |
 //! |---|---|---|
 //! | Jacobi, averaged (fraction ½) | `cos²(π/4N)` | 1493 |
 //! | Jacobi, in full | `cos(π/2N)` | 746 |
@@ -232,8 +214,8 @@
 //! beyond the free end. So its eigenvectors are `cos((i − 1)θ)`, i = 1 … N, with `cos(Nθ) = 0`, the eigenvalues
 //! `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix the eigenvalues of Gauss–Seidel are their squares
 //! (Young 1954), from one end to the other as well as by two colours: colours change the answer of unconverged sweeps,
-//! not this rate. For large N a decade takes ln 10 (2N/π)² = 0.93 N² Gauss–Seidel sweeps, 1.47 N with Chebyshev on
-//! Jacobi, 0.73 N with the best ω. A test holds Gauss–Seidel against this law. For sheets nothing is proved, but
+//! not this rate. For large N a factor of ten takes ln 10 (2N/π)² = 0.93 N² Gauss–Seidel sweeps, 1.47 N with Chebyshev
+//! on Jacobi, 0.73 N with the best ω. A test holds Gauss–Seidel against this law. For sheets nothing is proved, but
 //! [measured](#acceleration), coloured; in the order given it was not measured for PBD on sheets (the study there has
 //! it for XPBD). One elimination would solve such a system exactly: not offered here, see `cloth-xpbd`.
 //!
@@ -241,12 +223,14 @@
 //! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses,
 //! swept once per substep from its support, hangs with a mean strain of `ε = g h² (N − 1)/(2 l)`; so a wanted ε takes
 //! `Δt √(g (N − 1)/(2 l ε))` substeps at rest. A chain that falls at a speed v and is caught by its support is strained
-//! by up to v h/l more until it has come to rest (single links by 2 v h/l if every other one is visited first). n ≤ N
-//! iterations of one substep divide the sag by n or a little more, n substeps by n²: at rest sweeps take back the g h²
-//! of a substep, n of them n times as much of a given strain, while n substeps make h² smaller by n² (for XPBD: Macklin
-//! et al. 2019, "Small steps"). Rounding alone bounds h: velocities err by 2⁻⁵² ‖x‖/h, 2e-11 m/s at 1 m and 10 µs. "As
-//! many iterations as the mesh is wide", a popular rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90
-//! % for N = 24. A soft material needs another method: see the limits.
+//! by up to v h/l more until it has come to rest (single links by 2 v h/l if every other one is visited first).
+//!
+//! n ≤ N iterations of one substep divide the sag by n or a little more, n substeps by n² (for XPBD: Macklin et al.
+//! 2019, "Small steps"). At rest the sweeps of a substep have to take back its fall g h². At the same strain n sweeps
+//! take back n times as much; in n substeps the fall of each is n² times smaller. Rounding alone bounds h: velocities
+//! err by 2⁻⁵² ‖x‖/h, 2e-11 m/s at 1 m and 10 µs. "As many iterations as the mesh is wide", a popular rule, leaves
+//! `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material needs another method: see the
+//! limits.
 //!
 //! # Acceleration
 //! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω = 1 for the first sweeps, then
@@ -255,9 +239,8 @@
 //! only against what the correction itself would shorten. What they save: a sheet of 128 × 128 vertices, rigid springs,
 //! hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every vertex down by g h²;
 //! sweeps until a hundredth of that is left, and their time on one thread of a 2-core AMD EPYC (the smallest of some
-//! repetitions: `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": not run to the end, but
-//! extrapolated from 4 000 or 16 000 sweeps at the rate of their second half; the first of these, run to its end, takes
-//! 22 239.
+//! repetitions: `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated from 4 000 or
+//! 16 000 sweeps at the rate of their second half. (≥ 22 238 was run to its end as a check: 22 239.)
 //!
 //! | | sweeps, edge | ms | sweeps, corners | ms |
 //! |---|---|---|---|---|
@@ -265,16 +248,14 @@
 //! | SOR on it, ω best for a chain of 127 links | 799 | 171 | ≥ 47 869 | 11 300 |
 //! | Chebyshev on it, symmetric, ρ estimated | 605 | 317 | 1572 | 875 |
 //! | the same, ρ = 1 − 2.5/128², nearly the cos²(π/2N) of a chain of N = 127 links | 303 | 163 | 3510 | 1800 |
-//! | averaged Jacobi | ≥ 313 267 | 55 800 | ≥ 2 388 586 | 425 000 |
-//! | Chebyshev on it, ρ estimated | 2488 | 539 | 5095 | 1080 |
 //! | hierarchy, one correction | 1 | 5 | ≥ 180 787 | 40 900 |
 //! | hierarchy, every 10 sweeps | 1 | 5 | ≥ 74 979 | 34 200 |
 //!
-//! ω or ρ that were right for an edge are wrong for corners; an estimate adapts. The hierarchy is at its best where the
-//! cloth hangs taut from long supports. A sheet that hangs flat by two corners is compressed between them, and a
-//! correction leaves links alone that are short when it begins. What one correction leaves (0.2 to 0.5 % by the edge;
-//! on another size it can be more than 1 %) decays as slowly as without it: on 64 × 64 vertices, 15 further sweeps to 1
-//! %.
+//! Averaged Jacobi takes ≥ 313 267 and ≥ 2 388 586 sweeps, with Chebyshev 2488 (539 ms) and 5095 (1080 ms). ω or ρ that
+//! were right for an edge are wrong for corners; an estimate adapts. The hierarchy is at its best where the cloth hangs
+//! taut from long supports. A sheet that hangs flat by two corners is compressed between them, and a correction leaves
+//! links alone that are short when it begins. What one correction leaves (0.2 to 0.5 % by the edge; on another size it
+//! can be more than 1 %) decays as slowly as without it: on 64 × 64 vertices, 15 further sweeps to 1 %.
 //!
 //! # Which settings
 //! | scene | take |
@@ -285,7 +266,7 @@
 //! | a sheet that hangs taut from a long support | a [`Hierarchy`], one correction a substep |
 //! | cloth that hangs from few anchors, few sweeps | [long-range attachments](#long-range-attachments) |
 //! | a chain of N hard links, a sheet by an edge with N in a column, tens of sweeps and more | over-relaxation, [`Acceleration::relaxation`] of 2/(1 + sin(π/2N)); with few supports it saves [far less](#acceleration) |
-//! | Poisson's ratio, or a modulus alike in all directions on any mesh | the strains of a triangle in place of springs: `MembraneElements::Stvk` in [`Cloth::discretized_with`](cloth_core::Cloth::discretized_with); as soft as the limits say; three powers a visit (w̃ is not constant), not timed |
+//! | Poisson's ratio, or a modulus alike in all directions on any mesh | the strains of a triangle in place of springs: `MembraneElements::Stvk` in [`Cloth::discretized_with`](cloth_core::Cloth::discretized_with). Softer than its modulus, as [all materials](#limits); its w̃ is not constant, so each visit computes three powers |
 //! | a bound on stretch, after this or another method | [`WithStrainLimit`] |
 //! | a soft material | substeps until `k h² w̃ ≪ 1`, or [another method](#when-not-to-use-this-method) |
 //! | the order of the elements must not count | Jacobi, averaged, with Chebyshev |
@@ -296,36 +277,23 @@
 //! a sweep (the first row above: 48 641 springs); isometric bending takes 2 to 3 springs, area 10 to 15, bending by
 //! angle 20 to 30 (128 × 128 vertices, falling, on busy 2-core machines, so that only ratios count; on yours:
 //! `cargo run --release -p cloth-pbd --example cost_of_a_sweep`). So with three of each a vertex, isometric bending is
-//! two thirds to three quarters of a sweep. The rule costs nothing where w̃ is constant; where it is not, as for area
-//! and angle, [`StiffnessRule::Material`] takes a power in each visit, [`StiffnessRule::Fixed`] none. Nothing is
-//! allocated after the first step. Counted in the loops, a visit takes
-//!
-//! | element | flops, with roots and divisions | roots, divisions | bytes: element + vertices + rows | gathered; written |
-//! |---|---|---|---|---|
-//! | spring | 30 | 1, 1 | 24 + 8 + 24 | 64; 48 |
-//! | isometric bending | 73 | 0, 3 | 56 + 16 + 72 | 128; 96 |
-//! | area | 127, and the power | 1, 4 | 32 + 12 + 24 | 96; 72 |
-//! | bending by angle | not counted: an arc tangent, and the power | | 40 + 16 + 24 | 128; 96 |
-//!
-//! A row has 24 bytes, w̃, s and λ. Beside these an element has 4, its place in the input, and in Jacobi sweeps 28 N +
-//! 8 more; a vertex has 80, with Chebyshev 48 more, in contact 24. A spring makes 6.7 flops a ns and reads its 56 bytes
-//! at 12 GB/s; its root and its division count most, since the form with the gradient divided in between takes [twice
-//! as long](cloth_core::element::RowForm::Unit).
+//! two thirds to three quarters of a sweep. The rule costs nothing where w̃ is constant. Where it is not, as for area
+//! and angle, [`StiffnessRule::Material`] computes a power in each visit, [`StiffnessRule::Fixed`] none. All
+//! numbers are in double precision, and nothing is allocated after the first step. Of a spring its root and its
+//! division count most: the form with the gradient divided in between takes [twice as
+//! long](cloth_core::element::RowForm::Unit).
 //!
 //! The options, by the [table above](#acceleration): a sweep of springs takes 0.22 ms coloured, 0.18 in averaged Jacobi
 //! (0.22 with Chebyshev), 0.51 to 0.56 symmetric with Chebyshev; a correction by the hierarchy, repeated, 2.4 ms or 11
 //! sweeps. A long-range attachment is one more row.
 //!
-//! *Contact and self-contact.* By the table of the README a step on the ball takes PBD 56 ms. For XPBD contact is 56 %
-//! of a step of 209 ms, 43 % in `begin_substep` and 13 % in `end_substep` (`perf`, 2-core Intel Xeon VM, commit
-//! 3158c95), in `cloth-bench/scenes/ball.toml`: 64 × 64 vertices fall on a ball and touch themselves. PBD makes the
-//! same two calls in each of its substeps. `cloth-bench run cloth-bench/scenes/ball.toml --method pbd` prints
-//! `contact_ms_median`.
+//! *Contact and self-contact* cost `begin_substep` and `end_substep` in each substep, and a sweep over what can touch
+//! in each sweep: `cloth-bench run cloth-bench/scenes/ball.toml --method pbd` prints `contact_ms_median`.
 //!
 //! # Strain limiting
 //! For the end of a step of *any* method: [`WithStrainLimit`] follows each step by projections onto ranges of lengths,
 //! areas or principal stretches, and updates the velocities so that linear and angular momentum are conserved where no
-//! vertex is prescribed and contact does not truncate the displacement. Passes grow with the square of the vertices a
+//! vertex is prescribed and contact does not cut a displacement short. Passes grow with the square of the vertices a
 //! side ([`StrainLimiter`] has numbers).
 //!
 //! # Pin and drag
@@ -339,19 +307,26 @@
 //! They include those of the cloth with itself, unless `self_collision(false)`. The solver knows nothing of shapes,
 //! only [`ContactConstraints`](cloth_core::contact::ContactConstraints), and runs no code for contact without them.
 //!
-//! In each substep `begin_substep` finds what can touch on the free flight; `sweep`, last in each sweep, visits the
-//! contact constraints `C = n·Σ aᵢ xᵢ − d̂ ≥ 0` (normal n, nearest points by their weights aᵢ, range d̂) with the
-//! compliance of contact and a λ that they, unlike the cloth's rows, keep for the substep, and friction, on positions
-//! too, within μ λ (μ dimensionless); `end_substep` tests all paths, and stops what would cross, before the velocities
+//! In each substep `begin_substep` finds what can touch on the way to x̃. `sweep`, last in each sweep, visits the
+//! contact constraints `C = n·Σ c_k x_k − d₀ ≥ 0` (normal n, nearest points by their weights c_k, negative on one side)
+//! with a compliance α and a λ that they, unlike the cloth's rows, keep for the substep, and friction, on positions
+//! too, within μ λ (μ dimensionless). `end_substep` tests all paths, and stops what would cross, before the velocities
 //! follow from the positions. Contact comes last, so it is met best, and the rows of the cloth are disturbed; a
 //! prescribed vertex does not yield to it. What pushes the cloth out becomes velocity, unless `change_velocities`
 //! removes it: `cloth-collide` does so where there is a coefficient of restitution.
 //!
+//! *Where d₀ and α come from.* `cloth-collide` gives contact an energy A ψ(d) of the distance d, A the area that the
+//! contact stands for; the pressure is −ψ′. The force of a row is linear in C, so ψ′ is replaced by its tangent at the
+//! d of the start of the substep: `α = 1/(A ψ″)`, and `d₀ = d − ψ′/ψ″`, where the tangent is zero. Above half the range
+//! r of contact `ψ = ½ κ (r − d)²`, so d₀ = r and α = 1/(A κ). A visit is XPBD's, `Δλ = max(−λ, −(C + α̃λ)/(w̃ + α̃))`
+//! with `α̃ = α/h²`. The page of `cloth-xpbd`, *Contact*, has ψ below r/2, A, κ and r, and what `end_substep` does,
+//! step by step.
+//!
 //! *Is Coulomb's cone exact?* A visit first updates λ of its constraint, then its friction `f ← Π(f − u/w̃)`, w̃ = Σ
-//! aᵢ² wᵢ: u is how far the point is from where it stuck, in the tangent plane, and Π cuts to the disk `‖f‖ ≤ μ λ`,
+//! c_k² w_k: u is how far the point is from where it stuck, in the tangent plane, and Π cuts to the disk `‖f‖ ≤ μ λ`,
 //! round and not a polygon. So however few the sweeps, no contact leaves its cone. The rest of the law, no slip or
 //! `f = −μ λ u/‖u‖`, is what a fixed point of this update says, and holds where the sweeps converge. What comes after
-//! them, truncated paths and restitution, is outside it.
+//! them, paths cut short and restitution, is outside it.
 //!
 //! *Prescribed and inside a body?* It stays there: a body and a prescribed vertex are no pair, and only what is free is
 //! pushed out. Prescribed parts of the cloth that cross each other, or leave free cloth no path, end the step with
@@ -459,8 +434,9 @@
 //! comes after it. It bounds the stretch away from p and no other. p may move: r belongs to the rest shape, ‖x − p‖ to
 //! now. Several anchors of x are several rows; the last visited holds exactly, and two can hold together while their
 //! anchors are no farther apart than over the cloth. All rows of one p share a vertex, so each has a
-//! [colour](#order-of-the-constraints-colours-and-threads) of its own; for thousands write an element of x alone, N =
-//! 1, that has p as numbers (a moving one by `set_time`): all of these have one.
+//! [colour](#order-of-the-constraints-colours-and-threads) of its own. For thousands of them write an element of x
+//! alone, N = 1, that has p as numbers (a moving one by `set_time`): no two share a vertex then, and one colour is
+//! enough.
 //!
 //! # Limits
 //! - **The material is met by one constraint alone.** Constraints that share vertices spoil each other's corrections,
@@ -492,11 +468,17 @@
 //!   Euler. Kinetic energy is lost too, of order h. Pins, soft pins and contact with obstacles change both momenta; a
 //!   [`Hierarchy`] and extrapolation keep the linear one.
 //! - Its forces are not those of the material. A row pushes with `ΣΔλ/h²`, summed over its visits in a substep, and so
-//!   do prescribed vertices that move: their work is that of these forces. The elastic energy `½ Σ k C²` of the stretch
-//!   that sweeps leave is not conserved by anything here, and may be thousands of times the work that was done. PBD
-//!   does not turn it into motion; contact, a strain limit, or another method that continues the run may.
-//! - There is no damping but the [method's own](#the-step). That of Müller et al. 2007, section 3.5, which leaves the
-//!   rigid motion as it is, is not offered; scale velocities between steps for more. No speed is clamped either.
+//!   do prescribed vertices that move: `pin_work` is the work of these forces. With a [`Hierarchy`] or
+//!   [`WithStrainLimit`] it is not all of the work, as it has none of what their corrections pull at a prescribed
+//!   vertex. The elastic energy `½ Σ k C²` of the stretch that sweeps leave is not conserved by anything here, and may
+//!   be thousands of times the work that was done. PBD does not turn it into motion; contact, a strain limit, or
+//!   another method that continues the run may.
+//! - There is no damping but the [method's own](#the-step). That of Müller et al. 2007, section 3.5, moves each
+//!   velocity by a fraction k of its distance from the rigid motion with the same momenta,
+//!   `vᵢ ← vᵢ + k (v_c + ω × rᵢ − vᵢ)`, with the velocity v_c of the centre of mass, rᵢ from there, and ω = I⁻¹L from
+//!   angular momentum and inertia. It keeps both momenta, but treats the whole cloth as one stiff body: waves and folds
+//!   of any length die out alike, and k counts steps, not seconds. So it is not offered; scale velocities between steps
+//!   for more. No speed is clamped either.
 //! - Isotropic materials only: no element has moduli of its own along warp and weft.
 //! - Stiffnesses are taken to be zero, positive or infinite, and not checked. A negative one pushes away from C = 0;
 //!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].
@@ -526,7 +508,7 @@
 //!    `examples/cost_of_a_sweep.rs`: what an element costs. `examples/fingerprint_pbd.rs`: the same bits everywhere.
 //! 2. `cloth-core/src/element.rs`: what a row is. `solver.rs`: the loop; `config.rs`: its settings.
 //! 3. `stiffness.rs`: the formula of a row. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
-//!    `families.rs` (the sweep), `motion.rs` (flight, velocities, contact), `chebyshev.rs`.
+//!    `families.rs` (the sweep), `motion.rs` (prediction, velocities, contact), `chebyshev.rs`.
 //! 4. `hierarchy.rs`, with `tether.rs` (the row of a coarse link) and `level.rs`.
 //! 5. `strain_limit.rs`, with `limit.rs` (one element), `components.rs` (angular momentum), `with_strain_limit.rs`.
 //!
