@@ -122,6 +122,18 @@ fn iterations(system: &System) -> u32 {
     report.iterations
 }
 
+/// 8100 rows are one chunk of the smoother, 8281 two. Bending couples two chunks by more than their diagonal blocks can
+/// take: without what the diagonal has for it the last cycle is not positive definite, and the one before takes half as
+/// many again.
+#[test]
+fn a_second_chunk_of_rows_costs_no_iterations() {
+    for rigidity in [1e-5, 1e-3, 1e-1, 10.0] {
+        let [one, two] = [90, 91].map(|n| iterations(&system(sheet(n), rigidity, false)));
+        println!("{rigidity} N m: {one}, {two}");
+        assert!(two <= one + 2, "{rigidity} N m: {one}, {two}");
+    }
+}
+
 /// Conjugate gradients with the diagonal blocks need four times as many iterations at four times the size; multigrid as
 /// many.
 #[test]

@@ -5,6 +5,13 @@
 //! R. D. Falgout, T. V. Kolev, U. M. Yang, "Multigrid smoothers for ultraparallel computing", SIAM J. Sci. Comput.
 //! 33(5), 2011, <https://doi.org/10.1137/100798806>). A forward sweep before the coarse correction and a backward one
 //! after it make the cycle symmetric.
+//!
+//! It is positive definite if `M + Mᵀ − A` is, where M is the block lower triangle that a forward sweep inverts. Within
+//! one chunk that is D, the diagonal blocks. With several it is D less the blocks B between chunks, which bending makes
+//! indefinite: four vertices of a hinge in two chunks. So M has D′ ≥ D + Σ|B| − 0.9 D on its diagonal, with |B| over the
+//! blocks between chunks of that row (their ℓ₁ smoother, section 6): D′ = D wherever that will do, as with springs, each
+//! of which has as much in D as in B. For `B = U Σ Vᵀ` |B| is U Σ Uᵀ in its row and V Σ Vᵀ in its column, with which the
+//! two make a semi-definite matrix.
 
 use super::blocks::{Block, Lanes, lanes, plus, vector};
 use super::prolongation::Prolongation;
@@ -17,6 +24,8 @@ use std::sync::Arc;
 
 /// Rows of a chunk of the smoother.
 const ROWS: usize = 8_192;
+/// Fraction of D that blocks between chunks may take: what is left of it is what makes the cycle positive definite.
+const TAKEN: f64 = 0.9;
 
 #[derive(Debug)]
 pub(super) struct Level {
@@ -28,6 +37,8 @@ pub(super) struct Level {
     is_free: Vec<bool>,
     /// Places of blocks whose column is in a chunk before, with their row.
     between: Vec<(u32, u32)>,
+    /// `D′ − D` (N/m); nothing if there is one chunk.
+    beyond: Vec<Block>,
     /// Whether all blocks are symmetric, as those of springs are.
     is_symmetric: bool,
     /// What is added to the matrix beside its blocks.
@@ -48,6 +59,7 @@ impl Level {
             let before = slots.filter(|&slot| (pattern.columns()[slot] as usize) < start);
             between.extend(before.map(|slot| (row as u32, slot as u32)));
         }
+        let split = if count > ROWS { count } else { 0 };
         Self {
             blocks: vec![Block::ZERO; pattern.block_count()],
             inverse: vec![Block::ZERO; count],
@@ -55,6 +67,7 @@ impl Level {
             solution: vec![Lanes::ZERO; count],
             residual: vec![Lanes::ZERO; count],
             between,
+            beyond: vec![Block::ZERO; split],
             is_free,
             is_symmetric: false,
             rank_one: RankOne::default(),
@@ -74,8 +87,9 @@ impl Level {
         self.is_free.len()
     }
 
-    /// Updates the level for new blocks: inverts those on the diagonal.
+    /// Updates the level for new blocks: inverts D′.
     pub(super) fn prepare(&mut self) {
+        self.find_beyond();
         let [asymmetric] = map_reduce(
             &self.blocks[..],
             #[inline(always)]
@@ -90,6 +104,7 @@ impl Level {
         self.is_symmetric = asymmetric == 0.0;
         let (pattern, blocks, is_free) = (&self.pattern, &self.blocks, &self.is_free);
         let added = (!self.rank_one.is_empty()).then_some(&self.rank_one);
+        let beyond = &self.beyond;
         map_reduce(
             &mut self.inverse[..],
             #[inline(always)]
@@ -101,12 +116,38 @@ impl Level {
                         if let Some(added) = added {
                             block += added.diagonal(row);
                         }
+                        if let Some(beyond) = beyond.get(row) {
+                            block += beyond.to_double();
+                        }
                         *inverse = Block::from(&block.try_inverse().unwrap_or_else(Mat3::zeros));
                     }
                 }
                 []
             },
         );
+    }
+
+    /// Updates `D′ − D`, the part above zero of `Σ|B| − 0.9 D`.
+    fn find_beyond(&mut self) {
+        self.beyond.fill(Block::ZERO);
+        for &(row, slot) in &self.between {
+            let column = self.pattern.columns()[slot as usize];
+            let svd = self.blocks[slot as usize].to_double().svd(true, true);
+            let sigma = Mat3::from_diagonal(&svd.singular_values);
+            if let (Some(u), Some(v_t)) = (svd.u, svd.v_t) {
+                let [of_row, of_column] = [u, v_t.transpose()].map(|q| q * sigma * q.transpose());
+                self.beyond[row as usize].add(&Block::from(&of_row), 1.0);
+                self.beyond[column as usize].add(&Block::from(&of_column), 1.0);
+            }
+        }
+        for (row, beyond) in self.beyond.iter_mut().enumerate() {
+            if *beyond != Block::ZERO {
+                let own = self.blocks[self.pattern.row(row).end - 1].to_double();
+                let mut eigen = (beyond.to_double() - own * TAKEN).symmetric_eigen();
+                eigen.eigenvalues.apply(|value| *value = value.max(0.0));
+                *beyond = Block::from(&eigen.recompose());
+            }
+        }
     }
 
     /// Takes a right-hand side (N).
@@ -251,8 +292,9 @@ impl Level {
         self.rank_one = added;
     }
 
-    /// One row of a chunk that begins at row `start`. Forward, from zero: `x = D⁻¹(r − L x)`, `t = −Lᵀx`, the residual.
-    /// Backward, with the residual of what is known in `t`: `x = D⁻¹(t − L x)`, `t ← t − Lᵀx`.
+    /// One row of a chunk that begins at row `start`. Forward, from zero: `x = D′⁻¹(r − L x)`, `t = (D′ − D) x − Lᵀx`,
+    /// the residual. Backward, with the residual of what is known in `t`: `x ← D′⁻¹(t − L x + (D′ − D) x)`,
+    /// `t ← t − Lᵀx`.
     #[inline(always)]
     fn relax<const BACK: bool, const SYMMETRIC: bool>(
         &self,
@@ -281,6 +323,10 @@ impl Level {
                 rest -= block.times(other);
             }
         }
+        let beyond = self.beyond.get(start + row);
+        if let (true, Some(beyond)) = (BACK, beyond) {
+            rest += beyond.times(&x[row]);
+        }
         if let Some(added) = &mut added {
             if BACK {
                 added.moved(start + row, &x[row], -1.0);
@@ -289,6 +335,9 @@ impl Level {
         }
         let own = self.inverse[start + row].times(&rest);
         x[row] = own;
+        if let (false, Some(beyond)) = (BACK, beyond) {
+            t[row] += beyond.times(&own);
+        }
         if let Some(added) = added {
             added.moved(start + row, &own, 1.0);
             if !BACK {
