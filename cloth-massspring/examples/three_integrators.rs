@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let kept = swing.run(&mut symplectic.energy(hinges()).build()?, 0.9 * stable);
     let lost = swing.run(&mut implicit.energy(hinges()).build()?, 1.0 / 60.0);
 
-    // Nothing acts from outside, so the sum stays 0 in exact arithmetic. The fall turns over about 1 J.
+    // Nothing acts from outside, so the sum stays 0 in a solution that is exact in time. The fall turns over about 1 J.
     assert!(matches!(forward.end, Some(StepError::Unstable { .. })));
     assert!(
         kept.end.is_none() && kept.sum.abs() < 0.01,

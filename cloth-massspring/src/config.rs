@@ -94,12 +94,12 @@ pub struct ImplicitConfig {
     /// | Gauss–Seidel | as much as a product | `((κ − 1)/(κ + 1))²` for two colours: a chain, a grid without diagonals |
     /// | Jacobi | a product and one pass | `(κ − 1)/(κ + 1)` with the best damping, which is estimated |
     ///
-    /// Here A = M/Δt² + H, D its diagonal blocks, the preconditioner of conjugate gradients. κ is of the order of
-    /// `1 + (Δt ω_max)²`, the condition of `I + Δt² M⁻¹H`: it grows with stiffness, Δt² and resolution: 4·10⁴, 2·10⁵
-    /// and 10⁶ for the hanging sheet of 10⁴ N/m with 32, 64 and 128 vertices a side at Δt = 1/60 s, where conjugate
-    /// gradients take 295, 589 and 1385 iterations to a residual of 10⁻³ and the factorisation is faster at every size
-    /// up to 256 a side. (`cloth-bench study newton` measures all of it.) Where κ is smaller the order is reversed;
-    /// [`ImplicitConfig::linearized`] has times.
+    /// Here A = M/s² + H (s the time of the stage, Δt in implicit Euler without drag), D its diagonal blocks, the
+    /// preconditioner of conjugate gradients. κ is of the order of `1 + (s ω_max)²`, the condition of `I + s² M⁻¹H`: it
+    /// grows with stiffness, s² and resolution: 4·10⁴, 2·10⁵ and 10⁶ for the hanging sheet of 10⁴ N/m with 32, 64 and
+    /// 128 vertices a side at Δt = 1/60 s, where conjugate gradients take 295, 589 and 1385 iterations to a residual of
+    /// 10⁻³ and the factorisation is faster at every size up to 256 a side. (`cloth-bench study newton` measures all of
+    /// it.) Where κ is smaller the order is reversed; [`ImplicitConfig::linearized`] has times.
     ///
     /// Only the factorisation *proves* that the matrix is positive definite; conjugate gradients notice negative
     /// curvature that they meet, the others diverge on it. In each case the matrix then gets a smaller part of the
@@ -217,17 +217,10 @@ impl ImplicitConfig {
     /// directions. Here a pin constrains all three, so its rows and columns leave the matrix).
     ///
     /// To 10⁻⁸ the step follows that by Cholesky to a micrometre in 20 steps (to 10⁻³: 6 mm), and shifts components
-    /// that nothing holds to the momentum of the exact solution. Milliseconds of a step:
-    ///
-    /// | vertices a side (AMD EPYC Zen 4, one thread, least of the steps) | Cholesky | multigrid to 10⁻³ | 10⁻⁶ | 10⁻⁸ |
-    /// |---|---|---|---|---|
-    /// | 64 | 20 | 4.5 | 7.1 | 8.3 |
-    /// | 128 | 166 | 22 | 40 | 58 |
-    /// | 256 | 1941 | 218 | 332 | 620 |
-    ///
-    /// Conjugate gradients without multigrid (to 10⁻³) win against Cholesky where the matrix is well-conditioned.
-    /// There, at 128 vertices a side a step takes 266 ms against 165 ms at 10⁴ N/m and 1/60 s, but 106 against 176 at
-    /// 10² N/m, and 14 against 168 at 10⁴ N/m and 1 ms.
+    /// that nothing holds to the momentum of the exact solution. At 128 vertices a side it takes a third of the time of
+    /// Cholesky (58 and 166 ms, AMD EPYC Zen 4, one thread), to 10⁻³ an eighth. Conjugate gradients without multigrid
+    /// win against Cholesky where the matrix is well-conditioned: there 266 ms against 165 at 10⁴ N/m and 1/60 s, but
+    /// 106 against 176 at 10² N/m, and 14 against 168 at 10⁴ N/m and 1 ms.
     #[must_use]
     pub fn linearized() -> Self {
         Self {

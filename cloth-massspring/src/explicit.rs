@@ -225,10 +225,11 @@ impl Explicit {
         })
     }
 
-    /// Sets the elements to the start of a substep, where its forces are taken, and returns the work (J) that the
-    /// change of their rest data does on the cloth: half of that over this substep and half of that over the one
-    /// before, both at the positions between the two. The whole of either, at positions of one of its ends, would be
-    /// off to the same side in every substep. The first substep of a step has its own half only.
+    /// Sets the elements to the start of a substep, where its forces are taken. Returns the work (J) on the cloth of
+    /// the rest data that change with time: `½ (E(x, end of this substep) − E(x, start of the one before))`, at the
+    /// positions x between the two. That is half of the change over each (the trapezoidal rule); the whole change over
+    /// one of them, at positions of one of its ends, would be off to the same side in every substep. The first substep
+    /// of a step has none before it, and half of its own change.
     fn set_time(&mut self, [start, end]: [Real; 2]) -> Real {
         let (energies, x) = (&mut self.model.energies, &self.positions);
         let before = energies.timed_value(x);

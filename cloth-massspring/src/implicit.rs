@@ -73,15 +73,18 @@ use stage::Stage;
 /// kept as exactly as the linear systems are solved. Angular momentum is not kept.
 ///
 /// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and its name is `linear-implicit`. With contact,
-/// what touches nothing takes the same step. Elsewhere only the cloth is linearised: at the start of the step it does
-/// not touch yet what it meets in the step, so a linearised contact would miss that. The quadratic function of the
-/// cloth and the contact potential are minimised together, to the tolerance. A sheet that is stopped buckles, which the
-/// quadratic function does not contain: if `G` itself has gone down by less than three quarters of what the quadratic
-/// function has, the cloth is linearised again at the minimum, up to eight times in all.
+/// what touches nothing takes the same step. Elsewhere:
+/// - The cloth is linearised and contact is not: at the start of the step it does not touch yet what it meets in the
+///   step, so a linearised contact would miss that.
+/// - The quadratic function of the cloth and the contact potential are minimised together, to the tolerance.
+/// - A sheet that is stopped buckles, which the quadratic function does not contain. If `G` has gone down by less than
+///   three quarters of what the quadratic function has, the cloth is linearised again at the minimum, up to eight times
+///   in all.
 ///
-/// Damping: drag acts with the velocity at the end of the step. Stiffness damping acts with that
-/// velocity too, and with the stiffness at `x[0] + Δt v[0]`. The amplitude of an oscillation is then multiplied by
-/// `1/√(1 + 2 Δt γ + (Δt ω)²)` in a step, `2γ = α + β ω²` as at [`Damping`](crate::Damping).
+/// Damping: drag acts with the velocity at the end of the step. Stiffness damping acts with that velocity too, and with
+/// the stiffness at `x[0] + Δt v[0]`. With `2γ = α + β ω²` as at [`Damping`](crate::Damping) and z = Δt ω, the step of
+/// an oscillation has the inverse of a matrix with the eigenvalues `1 + Δt γ ± √((Δt γ)² − z²)`. Where Δt γ < z they
+/// are complex, and the amplitude is multiplied by `1/√(1 + 2 Δt γ + z²)`; an overdamped motion has two real factors.
 ///
 /// The residual in the report is what [`ImplicitConfig::tolerance`] bounds: the Newton decrement relative to the change
 /// of velocity that all forces but gravity and load have made. A step may end earlier by its upper bound

@@ -194,12 +194,12 @@
 //! | `G`, `∇G`, `M/s² + H`, `(M/s² + H) p` | with damping and contact | `Stage` in `implicit/stage.rs` |
 //! | `p = −B⁻¹∇G`, B from pairs `(sᵢ, yᵢ)` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
 //! | `A p = −∇G`, nearly | truncated Newton, in hard contact | [`cloth_core::method::contact_hessian`] |
-//! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
+//! | `Δx = −(M/s² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
 //! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
 //! | one Newton step | linearised implicit Euler | [`Solve::Linearized`], [`ImplicitConfig::linearized`] |
 //! | `−α M v − β K v` | drag, stiffness-proportional damping | [`Damping`] |
-//! | `M/Δt² + H` | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
+//! | `M/s² + H` | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
 //! | `A p = −∇G` for this matrix A | its solution | [`ImplicitConfig::linear`], with a table of solvers; [`cloth_core::method::linear`] |
 //!
 //! [`IncrementalPotential`]: cloth_core::measure::IncrementalPotential
@@ -339,8 +339,8 @@
 //!   a hundredth of a direction is free, each vertex follows it as far as it alone can, if that leads down. Nothing
 //!   crosses by that: all vertices of a pair that would come too near are cut to the same part of their paths, and what
 //!   is left of all paths is tested again, until every pair is safe (`implicit/minimizer.rs`). Where less than a tenth
-//!   is free otherwise, half of that is followed. A path that bends into a pair closes its gap as the square of the
-//!   length: to the end of what is free it leaves a fifth of the gap, to half of that four fifths.
+//!   is free otherwise, half of that is followed. A path that bends into a pair closes the gap with the square
+//!   of its length: followed to the end of what is free it leaves a fifth of the gap, half as far four fifths.
 //!
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.

@@ -3,8 +3,9 @@
 //! Two signs. The step is beyond the stable one: known before any harm is done, but only as well as the last estimate
 //! still holds. Or the cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W − E`, with `W` the work of
 //! gravity, load, pins and moving bodies; exact solutions obey, and a run that breaks it by a large factor has blown
-//! up, whatever the reason. Sums of squares are at least 0, and E is left out where it is; the cubic shell has no least
-//! energy, and where E is negative it counts. A run that a cubic shell tears apart ends when its numbers overflow.
+//! up, whatever the reason. Sums of squares are at least 0, and E is left out where it is. The cubic shell
+//! ([`CubicShell`](cloth_core::energy::CubicShell), bending of third order in the positions) has no least energy, and
+//! where E is negative it counts. A run that a cubic shell tears apart ends when its numbers overflow.
 //!
 //! The account goes on where contact has changed the end of a step. Contact with what does not move takes energy or
 //! leaves it, so all that contact is credited with is the work of bodies ([`ContactSource::work`]): stretch that it

@@ -1,7 +1,10 @@
 //! The drag of the air as part of the minimisation.
 //!
-//! With the velocity at the end of a stage written as `v = (x − x_b)/τ`, the force −D (v − v₀) is the negative gradient
-//! of `(x − a)ᵀ D (x − a)/(2τ)`, with `a = x_b + τ v₀`. The force at v₀ is in `x̂`.
+//! The air pulls at a vertex with `F − D (v − v₀)` ([`cloth_core::air`]): F is its force at the velocity v₀ of the
+//! vertex before the step, and D (3 × 3, kg/s) the positive semi-definite part of how that changes with the velocity,
+//! summed over the triangles of the vertex. F is constant in the step, and is in `x̂`. With the velocity at the end of
+//! a stage written as `v = (x − x_b)/τ`, the force −D (v − v₀) is the negative gradient of `(x − a)ᵀ D (x − a)/(2τ)`,
+//! with `a = x_b + τ v₀`.
 
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;

@@ -1,4 +1,5 @@
-//! The linear system `(M/Δt² + H) Δx = −∇G`, kept positive definite.
+//! The linear system `(M/s² + H) Δx = −∇G`, kept positive definite; s is the time of the stage, Δt in implicit Euler
+//! without drag. (Damping and drag of the air add their own terms.)
 //!
 //! Where springs are compressed the exact `H` can make the matrix indefinite, and a Newton step may lead uphill. The
 //! usual cure, dropping the indefinite part of every element ([`Convexity::Clamp`]), always works and is always
@@ -6,7 +7,7 @@
 //! method converges *to the saddle*. We therefore drop no more than necessary: the matrix is
 //!
 //! ```text
-//! M/Δt² + b H_exact + (1 − b) H_clamped,    0 ≤ b ≤ 1
+//! M/s² + b H_exact + (1 − b) H_clamped,    0 ≤ b ≤ 1
 //! ```
 //!
 //! with the blend `b` as near to 1 as positive definiteness allows, which the Cholesky factorisation tells, and
