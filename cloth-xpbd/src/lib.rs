@@ -501,7 +501,7 @@
 //!   k C² which nothing has put in; see [contact](#contact).
 //! - A substep moves a vertex by some g h², beside positions that are rounded to 10⁻¹⁶ of their size: at 1 m and h =
 //!   10⁻⁶ s a correction has five digits left. For single precision see `single`, which adds up displacements.
-//! - Damping does not act on hard rows, which do not move, nor on rigid motion.
+//! - Damping does not act on hard rows, which do not move, on limits, whose damper would push, nor on rigid motion.
 //! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before
 //!   (`chapter/guide.rs`). Ringing is energy that a stop has left in springs: take more substeps, `energy_gain` or
 //!   damping. Rounding gives 10⁻¹⁶ of the positions over h, 1e-13 m/s at 1 m and 1/1200 s.

@@ -21,8 +21,8 @@
 //! # Bodies
 //!
 //! A vertex that starts at the signed distance f > 0 of a body keeps f/10, or h/10 if that is less, but for a tolerance
-//! of h/100. One that starts inside may end deeper by h/100. So one that starts nearer than h/10 may end inside, by
-//! h/100 at most, and may sink by as much in each further substep that the last resort ends.
+//! of h/100, and never ends inside. One that starts inside may end deeper by h/100 in each substep that the last resort
+//! ends.
 
 use super::bodies::Substep;
 use super::constraints::KEPT;
@@ -258,17 +258,17 @@ impl LastResort {
 
 /// What moves a vertex (m) out of a body that it comes too near to on its path between two `ends` (m) in `dt` (s): to
 /// the thickness from the tangent plane where they meet, moved on with the body. None where it keeps a tenth of its
-/// distance (or of the thickness, if that is less), or its depth if it starts inside, up to a hundredth of the
-/// thickness.
+/// distance (or of the thickness, if that is less) up to a hundredth of the thickness, and at least 0; or its depth, up
+/// to the same, if it starts inside.
 fn displacement_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Option<Vec3> {
     let start = body.signed_distance(ends[0], 0.0).value;
-    let kept = if start > 0.0 {
-        KEPT * start.min(thickness)
+    let spared = 1e-2 * thickness;
+    let depth = if start > 0.0 {
+        (KEPT * start.min(thickness) - spared).max(0.0)
     } else {
-        start
+        start - spared
     };
     let path = VertexPath::straight(ends[0], ends[1], dt);
-    let depth = kept - 1e-2 * thickness;
     first_contact(body, &path, 0.0, dt, depth)?;
     let hit = first_contact(body, &path, 0.0, dt, thickness);
     let (time, at, position) = match hit {

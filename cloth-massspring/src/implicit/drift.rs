@@ -63,11 +63,13 @@ impl Unconstrained {
 
     /// The same for components that touch each other and nothing else: all of them are shifted as one. If something
     /// holds a vertex nothing is done.
-    pub(super) fn restore_momentum_together(&self, stage: &Stage<'_>, point: &mut Point) {
+    pub(super) fn restore_momentum_together(&self, stage: &Stage<'_>, point: &mut Point) -> bool {
         let count: usize = self.components.iter().map(Vec::len).sum();
-        if count == point.positions.len() {
+        let is_all = count == point.positions.len();
+        if is_all {
             shift_to_minimum(0..count as u32, stage, point);
         }
+        is_all
     }
 }
 

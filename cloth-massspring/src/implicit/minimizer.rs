@@ -253,11 +253,14 @@ impl Minimizer {
         let end = self
             .fall_together(&mut method, task, contact)
             .and_then(|()| self.iterate(&mut method, task, contact, observer, report));
-        match contact.as_deref() {
-            None => method.restore_momentum(stage, &mut self.current),
-            Some(contact) => method.restore_momentum_together(stage, contact, &mut self.current),
+        let shifted = self.shift_together(&mut method, task, contact);
+        if contact.is_none() {
+            method.restore_momentum(stage, &mut self.current);
         }
         self.quasi_newton = Some(method);
+        if shifted? {
+            std::mem::swap(&mut self.current, &mut self.next);
+        }
         end
     }
 
@@ -396,22 +399,35 @@ impl Minimizer {
         task: &Task<'_>,
         contact: &mut Contact<'_>,
     ) -> Result<(), StepError> {
+        if self.shift_together(method, task, contact)? {
+            self.next.evaluate(&with(task, contact));
+            if self.next.value < self.current.value {
+                std::mem::swap(&mut self.current, &mut self.next);
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the next point where the momentum of cloth that touches nothing but itself is that of the step. Returns
+    /// whether there is such a place, and nothing in between.
+    fn shift_together(
+        &mut self,
+        method: &mut QuasiNewton,
+        task: &Task<'_>,
+        contact: &mut Contact<'_>,
+    ) -> Result<bool, StepError> {
         let Some(source) = contact else {
-            return Ok(());
+            return Ok(false);
         };
         let (from, to) = (&self.current, &mut self.next);
         to.positions.copy_from_slice(&from.positions);
         to.gradient.copy_from_slice(&from.gradient);
-        method.restore_momentum_together(&task.stage, &**source, &mut self.next);
+        to.value = from.value;
+        if !method.restore_momentum_together(&task.stage, &**source, to) {
+            return Ok(false);
+        }
         let limited = source.limit(&self.current.positions, &self.next.positions);
-        if limited.map_err(|reason| task.refused(reason))? < 1.0 {
-            return Ok(());
-        }
-        self.next.evaluate(&with(task, contact));
-        if self.next.value < self.current.value {
-            std::mem::swap(&mut self.current, &mut self.next);
-        }
-        Ok(())
+        Ok(limited.map_err(|reason| task.refused(reason))? == 1.0)
     }
 
     /// The fraction of the direction, `most` of it at most, that is free of crossings.

@@ -159,18 +159,17 @@ impl QuasiNewton {
         self.unconstrained.restore_momentum(stage, point);
     }
 
-    /// The same where components touch each other, but nothing else.
+    /// The same where components touch each other, but nothing else. Returns whether that is so.
     pub(super) fn restore_momentum_together(
         &mut self,
         stage: &Stage<'_>,
         contact: &dyn ContactPotential,
         point: &mut Point,
-    ) {
+    ) -> bool {
         self.rows.clear();
         contact.linearize(&point.positions, &mut self.rows);
-        if self.rows.iter().all(ContactRow::is_internal) {
-            self.unconstrained.restore_momentum_together(stage, point);
-        }
+        self.rows.iter().all(ContactRow::is_internal)
+            && self.unconstrained.restore_momentum_together(stage, point)
     }
 
     /// Goes back to L-BFGS without pairs, and takes the matrix anew in the next iteration. Returns whether that changes
