@@ -24,8 +24,8 @@ pub struct CcdMethod {
     pub name: &'static str,
     /// What it does.
     pub about: &'static str,
-    /// Whether it promises to miss nothing and never to be late. A broken promise is a failed run.
-    pub promises: bool,
+    /// Whether it misses nothing and is never late. One that says so and is not so fails the run.
+    pub is_conservative: bool,
     first_contact: fn(&Query) -> Result<Option<Real>, CollideError>,
 }
 
@@ -34,37 +34,37 @@ pub const METHODS: [CcdMethod; 6] = [
     CcdMethod {
         name: "conservative",
         about: "moving separating directions, certified; what is too near for f64 in double precision",
-        promises: true,
+        is_conservative: true,
         first_contact: |query| conservative(query, 0.0),
     },
     CcdMethod {
         name: "conservative-slack",
         about: "the same, stopping when the distance has shrunk to a thousandth",
-        promises: true,
+        is_conservative: true,
         first_contact: |query| conservative(query, 1e-3),
     },
     CcdMethod {
         name: "additive",
         about: "additive conservative advancement (Li et al. 2021), to a thousandth of the distance, at most 10000 steps; its distances round",
-        promises: false,
+        is_conservative: false,
         first_contact: |query| Ok(additive::first_contact(query)),
     },
     CcdMethod {
         name: "cubic",
         about: "roots of the coplanarity cubic and a tolerance of 1e-9",
-        promises: false,
+        is_conservative: false,
         first_contact: |query| Ok(coplanarity::first_contact(query, 1e-9)),
     },
     CcdMethod {
         name: "cubic-strict",
         about: "the same without a tolerance",
-        promises: false,
+        is_conservative: false,
         first_contact: |query| Ok(coplanarity::first_contact(query, 0.0)),
     },
     CcdMethod {
         name: "discrete",
         about: "distance zero at the end of the motion: what tunnels",
-        promises: false,
+        is_conservative: false,
         first_contact: |query| Ok((query.distance(1.0) == 0.0).then_some(1.0)),
     },
 ];

@@ -394,7 +394,7 @@ fn take_steps(
         ms_per_step_max: 1e3 * largest(seconds.iter().copied()),
         ms_per_step_median: 1e3 * median(&mut seconds),
         contact_ms_median: 1e3 * median(&mut contact_seconds),
-        held_steps: course.contacts.as_ref().map_or(0, |c| c.held_steps),
+        truncated_steps: course.contacts.as_ref().map_or(0, |c| c.truncated_steps),
         pinched_steps: course.contacts.as_ref().map_or(0, |c| c.pinched_steps),
         most_pinched: course.contacts.as_ref().map_or(0, |c| c.most_pinched),
         held_inside,

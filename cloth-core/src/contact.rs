@@ -337,7 +337,7 @@ pub enum ContactError {
         /// 1/kg.
         inverse_mass: Real,
     },
-    /// The step starts with triangles that cross each other, so there is no promise to keep.
+    /// The step starts with triangles that cross each other, so nothing can be guaranteed.
     IntersectingStart {
         /// Number of pairs of triangles that do.
         pairs: usize,

@@ -67,7 +67,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     pairs.push(("ns_per_query", json!(score.mean_ns)));
     pairs.extend(fields!(score => mean_ns, median_ns, worst_ns));
     print_pairs(arguments.json, &pairs)?;
-    if method.promises && score.false_negatives + score.late > 0 {
+    if method.is_conservative && score.false_negatives + score.late > 0 {
         return Err(BenchError::Failed(format!(
             "method `{}` missed {} contacts and was late for {}",
             method.name, score.false_negatives, score.late

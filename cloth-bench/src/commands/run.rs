@@ -46,7 +46,7 @@ Of the numbers that come out:
   untangled_after      steps after which none of these crossed any more
   converged_steps      steps that ended within the tolerance of the method, by its own estimate; none of methods without one
   unfinished_steps     steps that ended at their most iterations, short of the end that the method looks for
-  held_steps           steps that ended with vertices held back by contact
+  truncated_steps      steps that ended with vertices whose displacement contact has truncated
   pinched_steps        steps after which cloth that bodies had pinched was passing through one of them
   min_clearance        smallest distance of a vertex from an obstacle at the end, negative inside; from an animation without a sign (m)";
 
@@ -308,7 +308,7 @@ fn simulate(
         ("peak_memory", json!(peak_memory)),
     ];
     pairs.extend(fields!(summary =>
-        ms_per_step_median, ms_per_step_max, contact_ms_median, held_steps, pinched_steps, iterations, iterations_per_step,
+        ms_per_step_median, ms_per_step_max, contact_ms_median, truncated_steps, pinched_steps, iterations, iterations_per_step,
         linear_iterations, chebyshev_fallbacks, coarse_builds, coarse_fallbacks, newton_fallbacks, refinements,
         rebuilds, unfinished_steps, converged_steps, max_stretch, max_stretch_of_all, rms_strain, kinetic_energy, elastic_energy,
         gravity_energy, contact_energy, potential_energy, energy_excess, energy_given, contact_energy_at_start,

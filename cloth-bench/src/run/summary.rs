@@ -19,9 +19,9 @@ pub struct Summary {
     pub ms_per_step_max: Real,
     /// Median time of contact in it (ms); 0 where there is nothing to touch.
     pub contact_ms_median: Real,
-    /// Parts of steps that ended with vertices held back, see
+    /// Parts of steps that ended with truncated displacements, see
     /// [`truncated_count`](cloth_core::contact::ContactSource::truncated_count).
-    pub held_steps: u32,
+    pub truncated_steps: u32,
     /// Those after which cloth that bodies had pinched was passing through one of them.
     pub pinched_steps: u32,
     /// How many of its vertices were at most.

@@ -15,8 +15,8 @@ use std::time::Instant;
 pub(super) struct Timed {
     pub(super) source: Enclosed<PotentialContacts>,
     clock: Clock,
-    /// Steps, of all so far, that ended with vertices held back.
-    pub(super) held_steps: u32,
+    /// Steps, of all so far, that ended with truncated displacements.
+    pub(super) truncated_steps: u32,
     /// Those that ended with pinched cloth in a body, and how many of its vertices at most.
     pub(super) pinched_steps: u32,
     pub(super) most_pinched: u32,
@@ -82,7 +82,7 @@ impl Timed {
         Self {
             source,
             clock: Clock::default(),
-            held_steps: 0,
+            truncated_steps: 0,
             pinched_steps: 0,
             most_pinched: 0,
             held_inside: Vec::new(),
@@ -91,7 +91,7 @@ impl Timed {
 
     /// Takes notice of how a step has ended, in which the cloth was still pulled apart or not.
     pub(super) fn count(&mut self, is_tangled: bool) {
-        self.held_steps += u32::from(self.source.truncated_count() > 0);
+        self.truncated_steps += u32::from(self.source.truncated_count() > 0);
         let pinched = match is_tangled {
             true => 0,
             false => self.source.contacts.pinched() as u32,

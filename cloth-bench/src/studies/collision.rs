@@ -129,7 +129,7 @@ struct Row {
     ms_per_step: Option<Real>,
     #[serde(rename = "of it contact (ms)")]
     contact_ms: Option<Real>,
-    steps_held_back: Option<u32>,
+    truncated_steps: Option<u32>,
     steps_with_crossings: u32,
     #[serde(rename = "steps that cross a body")]
     steps_in_bodies: u32,
@@ -170,7 +170,7 @@ impl Row {
             steps: ran.steps,
             ms_per_step: of(|s| s.ms_per_step_median),
             contact_ms: of(|s| s.contact_ms_median),
-            steps_held_back: summary.as_ref().map(|s| s.held_steps),
+            truncated_steps: summary.as_ref().map(|s| s.truncated_steps),
             steps_with_crossings: seen.crossed_steps,
             steps_in_bodies: seen.obstacle_crossed_steps,
             min_distance: seen.min_distance,

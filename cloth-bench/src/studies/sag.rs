@@ -10,7 +10,7 @@ pub(super) const STUDY: Study = Study {
     about: "Table sag-chain: a chain of 20 rigid links of 1 m, masses of 1 kg and a tip of up to 1e5 kg, at rest, sequential sweeps from the support, Δt = 1/60 s split into substeps or swept again and again; \
         expected is g h² (N(N − 1)/2 + (N − 1)(M/m − 1)) for one sweep, else the fixed point of the sweeps as a matrix. Table sag-substeps: the guide, s = Δt √(g (N − 1)/(2 l ε)) rounded up, \
         for N = 24 edges of 1/24 m in a row: a chain, and a sheet of 1 m × 1 m hung by one edge or by two corners, rigid springs, with hinges of 1e-5 N·m; mean strain is the fall of the lowest vertex over 1 m. Table sag-iterations: \
-        as many sweeps as the mesh has edges across, as iterations of one substep and as substeps. Expect n iterations to divide the sag by about n, n substeps by n²; what surprises is how far the worst edge of a sheet held by two corners lies above the mean that the guide promises. The state of rest is found by taking the velocities away whenever the kinetic energy has passed a maximum.",
+        as many sweeps as the mesh has edges across, as iterations of one substep and as substeps. Expect n iterations to divide the sag by about n, n substeps by n²; what surprises is how far the worst edge of a sheet held by two corners lies above the mean, which the guide is for. The state of rest is found by taking the velocities away whenever the kinetic energy has passed a maximum.",
     run,
 };
 

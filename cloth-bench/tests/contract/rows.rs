@@ -332,7 +332,7 @@ fn sheet_falls_on_a_ball() {
 }
 
 /// Two sheets meet in free flight, and come apart slower than they met: linear momentum is kept in every step in which
-/// no vertex is held back. What is held back, at 60 m/s, gives its momentum to nobody.
+/// no displacement is truncated. What is truncated, at 60 m/s, gives its momentum to nobody.
 #[test]
 fn sheets_that_meet_keep_their_momentum() {
     let one = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();

@@ -287,7 +287,7 @@ fn between_walls(mesh: &TriMesh, friction: f64) -> PotentialContacts {
 /// then paths are truncated, and the report says how many and how much.
 #[test]
 fn zones_that_an_obstacle_stops_are_truncated_and_the_report_says_so() {
-    let mut held_steps = 0;
+    let mut truncated_steps = 0;
     for seed in 0..2 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random, 4);
@@ -300,13 +300,13 @@ fn zones_that_an_obstacle_stops_are_truncated_and_the_report_says_so() {
             flight.step(0.03).unwrap();
             let report = flight.contacts.constraint_report();
             assert_eq!(flight.contacts.truncated_count(), report.shortened as usize);
-            held_steps += u32::from(report.zones > 0 && report.shortened > 0);
+            truncated_steps += u32::from(report.zones > 0 && report.shortened > 0);
             let mut heights = flight.positions.iter().map(|x| x.z);
             assert!(heights.all(|z| -0.4 < z && z < 2.2), "seed {seed}");
             assert_no_crossing_since(&from, &mut flight, seed, step);
         }
     }
-    assert!(held_steps > 5, "{held_steps}");
+    assert!(truncated_steps > 5, "{truncated_steps}");
 }
 
 /// A method that minimises holds nothing back by itself: what is held is what something else has moved after its step,
