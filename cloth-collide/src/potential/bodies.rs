@@ -270,8 +270,7 @@ impl Bodies {
             let v = contact.vertex as usize;
             let index = contact.body as usize * step.from.len() + v;
             self.tangential[index] = contact.state.tangential(x[v], contact.normal, reach);
-            let impulse =
-                (contact.normal * contact.state.lambda + contact.state.friction) / step.dt;
+            let impulse = (contact.pressure + contact.state.friction) / step.dt;
             work += impulse.dot(&substep.body(contact).motion().velocity_at(x[v], step.dt));
         }
         work
