@@ -122,7 +122,7 @@ pub enum Solve {
     /// A quasi-Newton method to the tolerance: limited-memory BFGS around a multigrid cycle on a positive definite
     /// Hessian. It factorises nothing; its iterations are many times cheaper than those of Newton's method, which takes
     /// over where they do not get to the end ([`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks)),
-    /// and where [`Accept::Minimum`] asks for a proof.
+    /// and where [`Accept::Minimum`] asks for a minimum.
     #[default]
     QuasiNewton,
     /// Newton's method with line search, to the tolerance.
@@ -169,10 +169,12 @@ pub enum Accept {
     /// sheet may then buckle some steps later than it could.
     #[default]
     Stationary,
-    /// Minima only: the exact Hessian of G was factorised at the point, or one Newton step before it. Costs at most one
-    /// factorisation more where the point is a minimum. A saddle point is left
-    /// along a direction of negative curvature; which side the cloth then falls to is decided by a fixed pseudo-random
-    /// vector. Needs a linear solver that proves definiteness: `LinearMethod::Cholesky` (feature `cholesky`).
+    /// Minima only, by a factorisation: the exact Hessian of G was positive definite at the point, or at the iterate
+    /// before it. (The second is taken as enough, and is no proof: near convergence the last step is too small to leave
+    /// the valley of a minimum.) Costs at most one factorisation more where the point is a minimum. A saddle point is
+    /// left along a direction of negative curvature; which side the cloth then falls to is decided by a fixed
+    /// pseudo-random vector. Needs a linear solver that proves definiteness: `LinearMethod::Cholesky` (feature
+    /// `cholesky`).
     Minimum,
 }
 
@@ -218,9 +220,8 @@ impl ImplicitConfig {
     ///
     /// To 10⁻⁸ the step follows that by Cholesky to a micrometre in 20 steps (to 10⁻³: 6 mm), and shifts components
     /// that nothing holds to the momentum of the exact solution. At 128 vertices a side it takes a third of the time of
-    /// Cholesky (58 and 166 ms, AMD EPYC Zen 4, one thread), to 10⁻³ an eighth. Conjugate gradients without multigrid
-    /// win against Cholesky where the matrix is well-conditioned: there 266 ms against 165 at 10⁴ N/m and 1/60 s, but
-    /// 106 against 176 at 10² N/m, and 14 against 168 at 10⁴ N/m and 1 ms.
+    /// Cholesky, to 10⁻³ an eighth. Conjugate gradients without multigrid win against Cholesky only where the matrix is
+    /// well-conditioned: soft cloth, or steps of a millisecond.
     #[must_use]
     pub fn linearized() -> Self {
         Self {

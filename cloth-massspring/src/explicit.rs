@@ -226,10 +226,11 @@ impl Explicit {
     }
 
     /// Sets the elements to the start of a substep, where its forces are taken. Returns the work (J) on the cloth of
-    /// the rest data that change with time: `½ (E(x, end of this substep) − E(x, start of the one before))`, at the
-    /// positions x between the two. That is half of the change over each (the trapezoidal rule); the whole change over
-    /// one of them, at positions of one of its ends, would be off to the same side in every substep. The first substep
-    /// of a step has none before it, and half of its own change.
+    /// rest data that change with time: `½ (E(x, end of this substep) − E(x, start of the one before))`, at the
+    /// positions x between the two. A substep so counts half of its change at the positions of its start and half at
+    /// those of its end (the trapezoidal rule). Counted at one end only, the work would have the same error, with the
+    /// same sign, in every substep. In the first substep of a step there is none before, and half of its own change is
+    /// counted.
     fn set_time(&mut self, [start, end]: [Real; 2]) -> Real {
         let (energies, x) = (&mut self.model.energies, &self.positions);
         let before = energies.timed_value(x);

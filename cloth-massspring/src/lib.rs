@@ -31,16 +31,11 @@
 //! ρ (kg/m², a weighed piece over its area), the modulus Y (N/m, from a tensile test: force per width over strain) and
 //! the bending rigidity D (N·m, moment per width over curvature). Springs of equal k on this mesh are a sheet of
 //! `Y = 4k/3` and Poisson's ratio 1/3, whatever the edge length: refining the mesh keeps k
-//! ([below](#springs-triangles-and-hinges-as-a-sheet)). Here they are stiffer by 3/(4n) for n cells a side, 8 %, as rim
-//! edges have the whole k; [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes Y, and halves it there.
-//! For another Poisson's ratio [`Discretization`](cloth_core::cloth::Discretization) takes triangles.
-//! `cloth-bench study independence` shows what mesh and step change.
-//!
-//! The mass-spring model of textbooks (Provot 1995) has three kinds of springs on a square grid: structural ones along
-//! its lines, shear springs along both diagonals and flexion springs to the vertex after the next. Here the edges of
-//! triangles are the first two, and hinges bend; flexion springs ([`Spring::across`]) do not resist a small bend of
-//! flat cloth. Its integrator is often Störmer–Verlet or leapfrog, which is [`SymplecticEuler`] with v at the half
-//! step. The fourth-order Runge–Kutta method and IMEX schemes, with only the stiff forces implicit, are not offered.
+//! ([below](#springs-triangles-and-hinges-as-a-sheet)). Here, where rim edges have the whole k, the sheet is stiffer
+//! under a uniform strain by 5/(6n) for n cells a side, 9 % (3/(4n) of it by the rims along the pull);
+//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes Y, and halves it there. For another Poisson's
+//! ratio [`Discretization`](cloth_core::cloth::Discretization) takes triangles. `cloth-bench study independence` shows
+//! what mesh and step change.
 //!
 //! # The idea
 //! A mass on every vertex, a spring on every edge, and Newton's second law: `M x″ = f(x) + M g`, `f = −∂E/∂x`. What
@@ -124,6 +119,12 @@
 //! | [`StvkTriangle`](cloth_core::energy::StvkTriangle), `½ A G:C:G` | under compression; see below |
 //! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge), isometric bending, `½ k_h ‖q x‖²` | never, it is constant |
 //! | [`DihedralHinge`](cloth_core::energy::DihedralHinge), `½ k_h (θ − θ₀)²` | where `θ ≠ θ₀`, by `k_h (θ − θ₀) ∂²θ` |
+//!
+//! The mass-spring model of textbooks (Provot 1995) has three kinds of springs on a square grid: structural ones along
+//! its lines, shear springs along both diagonals and flexion springs to the vertex after the next. Here the edges of
+//! triangles are the first two, and hinges bend; flexion springs ([`Spring::across`]) do not resist a small bend of
+//! flat cloth. Its integrator is often Störmer–Verlet or leapfrog, which is [`SymplecticEuler`] with v at the half
+//! step. The fourth-order Runge–Kutta method and IMEX schemes, with only the stiff forces implicit, are not offered.
 //!
 //! # Springs, triangles and hinges as a sheet
 //! **Springs.** In a small uniform strain ε (2 × 2) a spring of length L along the unit vector n is stretched by
@@ -230,13 +231,15 @@
 //!    start is truncated where it meets something, and the truncation fades with distance
 //!    ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
 //! 2. Connected components that nothing holds are shifted to where their momentum takes them. With contacts in the
-//!    input all are shifted together, and only if nothing is held at all, they touch only each other, nothing is in
-//!    between and G falls.
+//!    input all are shifted by one vector, and only if no vertex is held, the cloth touches nothing but itself, the
+//!    path of the shift is free of crossings, and G falls.
 //! 3. Repeat:
-//!    1. Done if `‖∇G‖ ≤ tolerance · ‖M(x − x̂)/s²‖`, both in the norm of M⁻¹, or if rounding allows no more.
+//!    1. Done if `‖∇G‖ ≤ ε ‖M(x − x̂)/s²‖`, both in the norm of M⁻¹, or if rounding allows no more. ε is `tolerance`;
+//!       with active contacts 0.3 of it; without contact at least 10⁻⁵, from where Newton's method goes on to less.
 //!    2. In iterations 1 to 4, 12, 20, 28, … take the Hessian anew.
 //!    3. `p = −B⁻¹∇G`. If `∇G·p ≥ 0`, drop the pairs, take the Hessian anew and repeat.
-//!    4. Done if the Newton decrement `√(−∇G·p) ≤ tolerance · ‖x − x̂‖_M/s`.
+//!    4. Done if the Newton decrement `√(−∇G·p)` is at most ε times `‖x − x̂‖_M/s`, or times `10⁻³ √(2ΔG)` if that is
+//!       more, ΔG the fall of G so far: beside much energy released, as from cloth crushed to a point, little counts.
 //!    5. The longest step: t = 1; in contact the fraction within the trust radius, a bound on the displacement of any
 //!       vertex, and of that the fraction free of crossings (CCD). Where the line search has shortened a step the
 //!       radius becomes twice the displacement that was left, and four times as large after a full step to its end.
@@ -248,17 +251,17 @@
 //!       full step with half of its slope left goes on to the zero of the secant of slopes, by at most 4 p beyond it,
 //!       if G falls.
 //!    7. From iteration 4 on, keep the pair `sᵢ = t p`, `yᵢ = Δ∇G` if `sᵢ·yᵢ > 0`, which Armijo does not ensure.
-//! 4. The shift of 2 again, in contact without its last two conditions: linear momentum is kept at any tolerance.
+//! 4. The shift of 2 again, with contacts whether G falls or not: linear momentum is kept at any tolerance.
 //! 5. `v = (x − x_b)/τ`.
 //!
 //! With B positive definite `∇G·p < 0`, so a short enough t passes. Pairs outlive a new Hessian from iteration 12 on.
 //!
-//! The levels: coarse vertices are an independent set (no two of them strongly coupled, with at least a quarter of the
-//! strongest coupling of a vertex, nor close across a common neighbour), about a quarter of all; the prolongation P is
-//! exact for linear functions of the rest positions, the coarse matrix is `PᵀAP` (Galerkin). One forward sweep of
-//! Gauss–Seidel over blocks of 3 × 3 comes before the coarse correction and one backward sweep after it, so that the
-//! cycle is symmetric; a level of at most 48 vertices is solved by a dense Cholesky factorisation. All is in single
-//! precision. Five things make it work:
+//! The levels: about a quarter of the vertices go on to the next coarser one, such that no two of them are strongly
+//! coupled, nor close to each other with a common neighbour. (Strong is a quarter or more of the strongest coupling of
+//! a vertex.) The prolongation P is exact for linear functions of the rest positions, the coarse matrix is `PᵀAP`
+//! (Galerkin). One forward sweep of Gauss–Seidel over blocks of 3 × 3 comes before the coarse correction and one
+//! backward sweep after it, so that the cycle is symmetric; a level of at most 48 vertices is solved by a dense
+//! Cholesky factorisation. All is in single precision. Five things make it work:
 //!
 //! - *Absolute values* take the place of negative eigenvalues, the k (1 − L/l) of compressed springs
 //!   ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)). So the matrix is positive definite, and every direction
@@ -269,20 +272,20 @@
 //!   their Gauss–Newton matrix, which needs no eigenvalues.
 //! - *Lumped*: blocks of the two vertices opposite an edge are added to the diagonal, which leaves the pattern of the
 //!   edges ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)).
-//! - *Predicted forces.* An iteration moves a turning stiff spring along its tangent, and so stretches it. That stretch
-//!   is false, but its tension stands in the next Hessian, as the factor `k |l − L|/l` of `I − n nᵀ`. The first four
-//!   iterations have `k |C̃|/L` there ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)), with the
-//!   extension C̃ that the spring has at x if it is linearised at the iterate before, x′:
-//!   `C̃ = C(x′) + ∂C(x′)·(x − x′)`. In the first, which has none before it, C̃ = `C(x[0])`. It is divided by L because
-//!   l has the false stretch in it.
+//! - *Predicted forces.* A stiff spring that should turn is moved along its tangent by an iteration, and so becomes too
+//!   long. The next Hessian would have the tension of that false stretch, as the factor `k |l − L|/l` of `I − n nᵀ`. In
+//!   the first four iterations the factor is `k |C̃|/L`
+//!   ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)), with the extension that the iteration before has
+//!   expected, C linearised at its start x′: `C̃ = C(x′) + ∂C(x′)·(x − x′)`. The first has C̃ = `C(x[0])`. L is below
+//!   because l has the false stretch in it.
 //! - *An extrapolated start*, by half of the last change of velocity ([`StartGuess::Extrapolated`]).
 //! - *A fallback.* Newton's method goes on where more than 1000 further iterations would be needed at the rate of the
 //!   last 200, and where the line search finds nothing lower
 //!   ([`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts both); and near the end, where a
-//!   tolerance below 10⁻⁵ or a proof of a minimum is asked for, an exact Hessian that Cholesky factorises
-//!   ([`Accept::Minimum`]). What needs it are very stiff springs on thin cloth (10⁶ N/m and more below 10⁻⁵ N·m), and
-//!   springs with slack, a range of lengths without force ([`DeadZone`](cloth_core::cloth::SpringLaw::DeadZone)); the
-//!   example `materials` prints a table.
+//!   tolerance below 10⁻⁵ or a minimum ([`Accept::Minimum`]) is asked for, an exact Hessian that Cholesky factorises.
+//!   What needs it are very stiff springs on thin cloth (10⁶ N/m and more below 10⁻⁵ N·m), and springs with slack, a
+//!   range of lengths without force ([`DeadZone`](cloth_core::cloth::SpringLaw::DeadZone)); the example `materials`
+//!   prints a table.
 //!
 //! # Pin and drag
 //! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to
@@ -316,11 +319,11 @@
 //! with ψ, ψ′ and ψ″ continuous at h/2. Choose h as the cloth is thick, but at most a tenth of an edge, and κ_c such
 //! that pressures that last stay below `κ_c h/2`. What is pressed deeper has the stiffness `κ_c (h/2d)²`: that, a
 //! larger κ_c and a long step cost iterations, and let nothing through. `PotentialBuilder` has the defaults, 1 mm and
-//! 10⁶ Pa/m. Friction has the energy `μ λ f(u)` of the displacement u along the surface, with the normal force λ at the
-//! start of the step (with that of x it would have no energy; it is 0 in the step in which cloth lands), `f = u²/(2ε)`
-//! up to ε = h/100 and `u − ε/2` beyond, where its force is μ λ. So a sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a
-//! floor, and slides down a slope with the acceleration a by `a Δt² n(n + 1)/2` in n steps (tests
-//! `sheet_rests_where_its_weight_says` and `sheet_on_a_slope_slides_or_sticks` of
+//! 10⁶ Pa/m. Friction has the energy `μ λ f(u)` of the displacement u along the surface: `f = u²/(2ε)` up to ε = h/100,
+//! and `u − ε/2` beyond, where its force is μ λ. λ is the normal force at the start of the step, so 0 in the step in
+//! which cloth lands; with the λ at x friction would be no gradient of an energy. Two results in closed form: a sheet
+//! of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and in n steps it slides by `a Δt² n(n + 1)/2` down a slope on which
+//! its acceleration is a (tests `sheet_rests_where_its_weight_says` and `sheet_on_a_slope_slides_or_sticks` of
 //! `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this:
 //!
 //! - *When contact is computed.* λ: once a step. Which vertices, edges and triangles are near: along every direction,
@@ -337,10 +340,8 @@
 //!   ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)).
 //! - *Vertex by vertex.* One step length for all lets a single nearly closed pair stop the whole cloth. Where less than
 //!   a hundredth of a direction is free, each vertex follows it as far as it alone can, if that leads down. Nothing
-//!   crosses by that: all vertices of a pair that would come too near are cut to the same part of their paths, and what
-//!   is left of all paths is tested again, until every pair is safe (`implicit/minimizer.rs`). Where less than a tenth
-//!   is free otherwise, half of that is followed. A path that bends into a pair closes the gap with the square
-//!   of its length: followed to the end of what is free it leaves a fifth of the gap, half as far four fifths.
+//!   crosses by that (`implicit/minimizer.rs`, which also has why only half is followed of a direction of which less
+//!   than a tenth is free).
 //!
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
@@ -367,7 +368,7 @@
 //! | [`SymplecticEuler`] | 1 | 1 for `z < 2`, else `(z²/2 − 1) + √((z²/2 − 1)² − 1)` | `2 asin(z/2)` | `z < 2` |
 //! | [`ImplicitEuler`], also linearised | 1 | `1/√(1 + z²)` | `atan z` | always |
 //! | [`ImplicitMidpoint`] | 2 | 1 | `2 atan(z/2)` | always |
-//! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always |
+//! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always ([why](Bdf2)) |
 //!
 //! In a period, `2π/z` steps, implicit Euler loses `1 − exp(−2πz)` of the energy (47 % at z = 0.1), BDF2 about `πz³`
 //! (0.3 %), the midpoint rule nothing. The mesh has an error of its own: a chain of spacing l has waves of number q at
@@ -426,10 +427,11 @@
 //! One struct and the traits of [`cloth_core::element`]: `Element<N>` names the vertices, and either `Constraint<N>`
 //! gives rows C (functions of the positions, 0 at rest) with `E = ½ Σ k C²`, from which energy, gradient and
 //! `Σ k ∂C ∂Cᵀ` follow, or `Energy<N>` gives them directly. Where C is not linear write `curvature`, `Σ k C ∂²C`, too,
-//! or every Hessian is Gauss–Newton's, and [`Accept::Minimum`] proves nothing;
-//! [`hessian_error`](cloth_core::check::hessian_error) tests it. By `Clamp` and `Abs` it has to be semi-definite. Only
-//! elements of one vertex count as holding the cloth: the energy of every other must not change when all its vertices
-//! are shifted alike, or the shift of momentum is wrong.
+//! or every Hessian is Gauss–Newton's, and [`Accept::Minimum`] tells nothing;
+//! [`hessian_error`](cloth_core::check::hessian_error) tests it. For `Clamp` and `Abs` your function has to return a
+//! positive semi-definite matrix: nobody else takes eigenvalues. Only elements of one vertex count as holding the
+//! cloth: the energy of every other must not change when all its vertices are shifted alike, or the shift of momentum
+//! is wrong.
 //!
 //! An example of the first is in [`cloth_core::element`], of the second in [`ImplicitBuilder::energy`]. Only blocks on
 //! and below the diagonal of a Hessian are read: it has to be symmetric. Test a new element by
@@ -507,12 +509,6 @@
 //! `cloth-bench study newton` (parts), `convergence` (steps), `scale` (memory);
 //! `cargo bench -p benches --bench elements`.
 //!
-//! Times of a step of the hanging sheet of 64 × 64 vertices over that of the default (2-core Intel Xeon VM, commit
-//! 3158c95, `cargo run --release -p cloth-bench -- run hang --n 64 --steps 30 --method M --threads 1`): BDF2 1.3,
-//! linear-implicit 0.7, midpoint 3.0 (it blows up), symplectic Euler 5.6, implicit Euler by Newton's method with
-//! Cholesky 12, with conjugate gradients 17 (`--set linear=…`). Of the default's time 28 % are evaluations of G and ∇G,
-//! 26 % the multigrid cycle, 19 % the Hessian and its restriction.
-//!
 //! # When not to use this method
 //! It is at its best where the solution has to be right: references, statics, measured materials. Elsewhere:
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
@@ -544,7 +540,7 @@
 //!
 //! # Features
 //! `parallel` (default): [rayon's threads](#threads). `cholesky`: the sparse factorisation, for Newton's method by it
-//! and for proofs of a minimum; without, Newton's method takes multigrid.
+//! and for [`Accept::Minimum`]; without, Newton's method takes multigrid.
 //!
 //! # References
 //! - D. Baraff, A. Witkin, "Large steps in cloth simulation", SIGGRAPH 1998, <https://doi.org/10.1145/280814.280821>:

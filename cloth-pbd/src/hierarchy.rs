@@ -57,10 +57,12 @@ impl Default for HierarchyConfig {
 /// waves of the error, which the sweeps over the cloth hardly reach, are corrected best.
 ///
 /// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]. Vertices are tested one after another in the
-///   order of their numbers, those of the boundary first. One is left out if it is not prescribed, and
-///   - it lies inside, at least `parents` of its neighbours are kept, and their weighted mean is within 0.3 of their
-///     mean distance from it; or it lies on the boundary, and its two neighbours there are kept;
-///   - and the same still holds of its neighbours that were left out before.
+///   order of their numbers, those of the boundary first. A prescribed one is kept. Another is left out if it can be
+///   interpolated from the neighbours that are kept, and if that stays true of those of its neighbours that were left
+///   out before it. It can be interpolated
+///   - inside the cloth, where at least `parents` of its neighbours are kept, and their mean with the weights below is
+///     nearer to it than 0.3 of their mean distance from it;
+///   - on the boundary, where its two neighbours along the boundary are kept.
 ///
 ///   Each level is a subset of the one before, of at most four fifths of its vertices, mostly about half. With fewer
 ///   than four vertices, or more than four fifths, there is no further level.
@@ -82,14 +84,17 @@ impl Default for HierarchyConfig {
 ///   however short some are, no link does anything. So the zero-energy configurations of the cloth, those in which
 ///   nothing is stretched, as folds, have no energy on any level: a coarse level does not resist bending. Links that
 ///   kept their length in both directions, as rods, would.
-/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. Each
-///   then has one of three states. Longer than L at rest, it pulls. Shorter than when the sweeps of its level began
-///   (than L, if it was longer), because others were corrected, it pushes back to that length and no further. Between
-///   the two its multiplier is zero: a link that was short before may stay so. (Müller's links only pull. Each that is
-///   shortened lengthens or shortens its neighbours; those that have become too short are left so, and a hanging sheet
-///   narrows.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, a vertex that was kept with weight 1 on itself. The
-///   mass of a coarse vertex is `Σᵢ Pᵢⱼ mᵢ`, `Pᵀm`, so `Σᵢ mᵢ Δxᵢ = Σⱼ (Pᵀm)ⱼ Δxⱼ`: as projections of free vertices
-///   leave the right side zero, `Σ m x` does not change.
+/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. With
+///   L the length of a link at rest, and its shortest allowed length the smaller of L and its length when the sweeps of
+///   its level began, a link
+///   - pulls where it is longer than L;
+///   - pushes where others have made it shorter than its shortest allowed length;
+///   - does nothing between the two: one that was short before may stay so.
+///
+///   (Müller's links only pull. Each that is shortened lengthens or shortens its neighbours; those that have become too
+///   short are left so, and a hanging sheet narrows.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, a vertex that
+///   was kept with weight 1 on itself. The mass of a coarse vertex is `Σᵢ Pᵢⱼ mᵢ`, `Pᵀm`, so
+///   `Σᵢ mᵢ Δxᵢ = Σⱼ (Pᵀm)ⱼ Δxⱼ`: as projections of free vertices leave the right side zero, `Σ m x` does not change.
 ///
 /// What it saves: the table of [acceleration](crate#acceleration). What it costs: each level about as many visits of
 /// links, in its sweeps, as [`HierarchyConfig::sweeps`] sweeps over the first, plus one sweep to store lengths.

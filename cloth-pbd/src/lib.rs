@@ -62,8 +62,9 @@
 //! `Δλ = −(C + λ/(k h²))/(w̃ + 1/(k h²))`, λ the sum of its Δλ in this substep. The term with λ says how much of its
 //! force the spring exerts already; with it Δλ is zero where the spring is in balance, at C ≠ 0. A method that keeps λ
 //! is XPBD. A visit of PBD knows C alone, and acts as if it were the first. So sweeps rest at C = 0 only, whatever k,
-//! and a soft constraint has to know beforehand how often it will be visited. The λ that this crate adds up, from zero
-//! in each substep, since it belongs to one x̃, is for the work of pins; no visit reads it.
+//! and a soft constraint has to know beforehand how often it will be visited. This crate adds up a λ too, but only to
+//! report the work of prescribed vertices: no visit reads it. It starts at zero in each substep, since it belongs to
+//! one x̃.
 //!
 //! **Soft constraints** make the fraction s of the correction in a visit, and so leave `(1 − s)ⁿ` of C after n visits
 //! of one constraint alone. With `E = ½ k C²` and `λ = −k h² C`, backward Euler is `M (x − x̃) = λ ∂C/∂x`; for one
@@ -79,9 +80,9 @@
 //! [`StiffnessRule::Material`], the default: that is how the same k (N/m) that the other methods take reaches PBD.
 //! (Springs get theirs from a membrane modulus Y (N/m), Young's modulus times thickness, by
 //! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus). In names, `stiffness` of an element is k, that of
-//! [`PbdConfig`] the rule for s, and that of [`HierarchyConfig`] the s of coarse links.) The rule is exact for one
-//! constraint alone whose C is linear along its correction, as a spring's is, and for nothing else; see the
-//! [limits](#limits).
+//! [`PbdConfig`] the rule for s, and that of [`HierarchyConfig`] the s of the links of its coarse levels.) The rule is
+//! exact for one constraint alone whose C is linear along its correction, as a spring's is, and for nothing else; see
+//! the [limits](#limits).
 //!
 //! # The step
 //! ```text
@@ -107,14 +108,15 @@
 //! **Stable?** Projecting onto a linear row with 0 ≤ s ≤ 1 takes x nearer, in `‖·‖_M`, to every point that meets it. So
 //! a step of one substep without forces from x⁰ with C(x⁰) = 0 gains no kinetic energy:
 //! `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖`. This is for linear rows and pins at rest, without extrapolation, a hierarchy or
-//! Jacobi sweeps in full. Where x⁰ violates rows, what the sweeps take back becomes velocity.
+//! Jacobi sweeps that are not averaged. Where x⁰ violates rows, what the sweeps take back becomes velocity.
 //!
 //! **How much is lost?** The prediction is a step of symplectic Euler, a row alone one of implicit Euler: both of order
 //! 1. A spring alone that oscillates along its axis divides its energy by 1 + k h² w̃ in a substep, as with implicit
-//! Euler. A rigid link about a prescribed end that has turned by α in one substep turns in the next by β with
-//! `tan β = sin α/(2 − cos α)`, β ≈ α − α³: velocities from positions point along the chord, and the projection removes
-//! what the prediction along it adds to the radius. So a link that turns at ω loses the fraction 2 (h ω)² of its
-//! kinetic energy in a substep: order h in a given time.
+//!    Euler (with a fixed s by (1 − s)^(−n), which is that for the k of the first line above). A rigid link about a
+//!    prescribed end that has turned by α in one substep turns in the next by β with `tan β = sin α/(2 − cos α)`, β ≈ α
+//!    − α³: velocities from positions point along the chord, and the projection removes what the prediction along it
+//!    adds to the radius. So a link that turns at ω loses the fraction 2 (h ω)² of its kinetic energy in a substep:
+//!    order h in a given time.
 //!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²`: distance, bending (flat, curved,
 //! by angle), area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
@@ -143,14 +145,14 @@
 //!
 //! *Which bending?* Isometric bending has `q = (c₁ + c₃, c₀ + c₂, −(c₀ + c₁), −(c₂ + c₃))` (dimensionless, sum 0), c₀
 //! and c₁ the cotangents at rest of the angles of triangle 0, 1, 2 at x₀ and x₁, c₂ and c₃ those of triangle 0, 1, 3; z
-//! (m) is zero where the hinge is flat and unstretched. To z each triangle adds a vector across the edge, from its tip
-//! to the edge and of the edge's length: the two are opposite where the hinge is flat, and add up to 2 ‖e‖ sin(θ/2)
-//! where it is folded ([derivation](cloth_core::energy::CurvatureHinge)). z is linear in x, has a constant w̃ and is
-//! cheap ([costs](#costs)); take it for cloth that is flat at rest and hardly stretches. By angle where a fold has a
-//! rest angle, or is sharp.
-//! the hinge is flat, so it does not resist a small bend. Kelager et al. 2010 keep the distance of one of three
-//! vertices from the centroid of the three: as cheap as a spring, without a side, and without a gradient where the one
-//! lies midway between the two others. That is not offered.
+//! (m) is zero where the hinge is flat and unstretched. Each triangle adds to z a vector in its plane, at right angles
+//! to the edge, which points from its tip towards the edge and is as long as the edge. The two are opposite where the
+//! hinge is flat, and add up to 2 ‖e‖ sin(θ/2) where it is folded ([derivation](cloth_core::energy::CurvatureHinge)). z
+//! is linear in x, has a constant w̃ and is cheap ([costs](#costs)); take it for cloth that is flat at rest and hardly
+//! stretches. By angle where a fold has a rest angle, or is sharp. A spring between the tips ([`Spring::across`]) is no
+//! substitute: its length is stationary where the hinge is flat, so it does not resist a small bend. Kelager et al.
+//! 2010 keep the distance of one of three vertices from the centroid of the three: as cheap as a spring, without a
+//! side, and without a gradient where the one lies midway between the two others. That is not offered.
 //!
 //! | equation | function |
 //! |---|---|
@@ -184,20 +186,24 @@
 //! # Order of the constraints, colours and threads
 //! A family is what one call of [`energy`](PbdBuilder::energy) adds: elements of one type. A sweep visits the families
 //! in the order in which they were added, and the elements of a family in the order of [`Sweep`]. The result depends on
-//! both; the constraint visited last is met best. [`Sweep::Colored`], the default, colours the elements greedily, so
-//! that no two of a colour share a vertex: they can be visited in parallel, without locks, and give the same bits on
-//! any number of threads (feature `parallel`; a second thread takes part in colours of at least 4096 elements). A cloth
-//! of 2¹⁹ vertices or more is visited by blocks of 2¹⁴ vertices, the colours of one block before the next.
+//! both; the constraint visited last is met best. With Chebyshev a Gauss–Seidel sweep is *symmetric*, forward and then
+//! back: the family added *first* is visited last, and positions are extrapolated after it. [`Sweep::Colored`], the
+//! default, colours the elements greedily, so that no two of a colour share a vertex: they can be visited in parallel,
+//! without locks, and give the same bits on any number of threads (feature `parallel`; a second thread takes part in
+//! colours of at least 4096 elements). A cloth of 2¹⁹ vertices or more is visited by blocks of 2¹⁴ vertices: all
+//! colours of one block, then the next block. The elements across two blocks follow, likewise by blocks shifted by
+//! half, and what is then left, colour by colour.
 //!
 //! *How many colours?* Where at most d elements of N vertices meet at a vertex, at least d, and at most N (d − 1) + 1:
 //! an element finds no more than d − 1 others at each of its vertices. A sheet of squares with diagonals of alternating
 //! direction has d = 8 and 8 colours for its springs, d = 16 and 18 for its hinges. Small colours are visited one after
 //! another on one thread.
 //!
-//! [`Sweep::Sequential`] keeps the order given and one thread. Jacobi sweeps solve all elements at the same positions;
-//! averaged, each makes the fraction 1/b of its correction, b the largest number of elements, of all families, at one
-//! of its free vertices. The fraction is that of the element: if each vertex divided what it receives by its own count,
-//! the two ends of a spring would be scaled differently, and momentum would be lost. Which relaxation is stable:
+//! [`Sweep::Sequential`] keeps the order given and one thread. Jacobi sweeps solve all elements at the same positions.
+//! *In full* ([`Sweep::PlainJacobi`]) each element makes all of its correction; *averaged* ([`Sweep::Jacobi`]) it
+//! divides it by the largest number of elements, of all families, at one of its free vertices. All its vertices share
+//! that number: if each vertex divided what it receives by its own count, the two ends of a spring would be scaled
+//! differently, and momentum would be lost. Which relaxation is stable:
 //! [`PbdConfig`](PbdConfig#how-fast-sweeps-converge).
 //!
 //! What one sweep leaves of the slowest error of a straight chain of N rigid links, held at one end:
@@ -222,25 +228,26 @@
 //! # How many substeps, how many iterations
 //! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses,
 //! swept once per substep from its support, hangs with a mean strain of `ε = g h² (N − 1)/(2 l)`; so a wanted ε takes
-//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest. A chain that falls at a speed v and is caught by its support is strained
-//! by up to v h/l more until it has come to rest (single links by 2 v h/l if every other one is visited first).
+//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest. A chain that falls at a speed v and is stopped by its support is
+//! strained by up to v h/l more until it rests; swept in two colours, every other link first, single links by up to 2 v
+//! h/l more.
 //!
 //! n ≤ N iterations of one substep divide the sag by n or a little more, n substeps by n² (for XPBD: Macklin et al.
-//! 2019, "Small steps"). At rest the sweeps of a substep have to take back its fall g h². At the same strain n sweeps
-//! take back n times as much; in n substeps the fall of each is n² times smaller. Rounding alone bounds h: velocities
-//! err by 2⁻⁵² ‖x‖/h, 2e-11 m/s at 1 m and 10 µs. "As many iterations as the mesh is wide", a popular rule, leaves
-//! `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material needs another method: see the
-//! limits.
+//! 2019, "Small steps"). At rest the sweeps of a substep have to take back its fall, g h². What a sweep takes back is
+//! in proportion to the strain of the chain. So n sweeps need an n-th of the strain that one needs, and n substeps of
+//! one sweep an n²-th, as each falls n² times less far. Rounding alone bounds h: velocities err by 2⁻⁵² ‖x‖/h, 2e-11
+//! m/s at 1 m and 10 µs. "As many iterations as the mesh is wide", a popular rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)`
+//! of the slowest error: 90 % for N = 24. A soft material needs another method: see the limits.
 //!
 //! # Acceleration
 //! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω = 1 for the first sweeps, then
 //! `2/(2 − ρ²)`, then `4/(4 − ρ²ω)` again and again (not the ω of SOR); ρ is the spectral radius of a sweep, given or
 //! estimated. **A hierarchy** corrects on coarser levels first, by links that pull where they are too long, and push
-//! only against what the correction itself would shorten. What they save: a sheet of 128 × 128 vertices, rigid springs,
-//! hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every vertex down by g h²;
-//! sweeps until a hundredth of that is left, and their time on one thread of a 2-core AMD EPYC (the smallest of some
-//! repetitions: `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated from 4 000 or
-//! 16 000 sweeps at the rate of their second half. (≥ 22 238 was run to its end as a check: 22 239.)
+//! only where the correction itself has made them shorter. What they save: a sheet of 128 × 128 vertices, rigid
+//! springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every vertex down by g
+//! h²; sweeps until a hundredth of that is left, and their time on one thread of a 2-core AMD EPYC (the smallest of
+//! some repetitions: `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated from 4 000
+//! or 16 000 sweeps at the rate of their second half.
 //!
 //! | | sweeps, edge | ms | sweeps, corners | ms |
 //! |---|---|---|---|---|
@@ -251,11 +258,11 @@
 //! | hierarchy, one correction | 1 | 5 | ≥ 180 787 | 40 900 |
 //! | hierarchy, every 10 sweeps | 1 | 5 | ≥ 74 979 | 34 200 |
 //!
-//! Averaged Jacobi takes ≥ 313 267 and ≥ 2 388 586 sweeps, with Chebyshev 2488 (539 ms) and 5095 (1080 ms). ω or ρ that
-//! were right for an edge are wrong for corners; an estimate adapts. The hierarchy is at its best where the cloth hangs
-//! taut from long supports. A sheet that hangs flat by two corners is compressed between them, and a correction leaves
-//! links alone that are short when it begins. What one correction leaves (0.2 to 0.5 % by the edge; on another size it
-//! can be more than 1 %) decays as slowly as without it: on 64 × 64 vertices, 15 further sweeps to 1 %.
+//! ω or ρ that were right for an edge are wrong for corners; an estimate adapts. The hierarchy is at its best where the
+//! cloth hangs taut from long supports. It helps little where a sheet hangs flat by two corners: between them the cloth
+//! is compressed, and a correction does not lengthen links that are short when it begins. By an edge one correction
+//! leaves 0.2 to 0.5 % of the fall, on some sizes more than 1 %. That rest decays as slowly as without a hierarchy: on
+//! 64 × 64 vertices it takes 15 further sweeps to 1 %.
 //!
 //! # Which settings
 //! | scene | take |
@@ -283,9 +290,8 @@
 //! division count most: the form with the gradient divided in between takes [twice as
 //! long](cloth_core::element::RowForm::Unit).
 //!
-//! The options, by the [table above](#acceleration): a sweep of springs takes 0.22 ms coloured, 0.18 in averaged Jacobi
-//! (0.22 with Chebyshev), 0.51 to 0.56 symmetric with Chebyshev; a correction by the hierarchy, repeated, 2.4 ms or 11
-//! sweeps. A long-range attachment is one more row.
+//! Chebyshev takes more than twice the time of a plain sweep, a correction by the hierarchy, repeated, that of 11
+//! ([table](#acceleration)). A long-range attachment is one more row.
 //!
 //! *Contact and self-contact* cost `begin_substep` and `end_substep` in each substep, and a sweep over what can touch
 //! in each sweep: `cloth-bench run cloth-bench/scenes/ball.toml --method pbd` prints `contact_ms_median`.
@@ -332,7 +338,7 @@
 //! pushed out. Prescribed parts of the cloth that cross each other, or leave free cloth no path, end the step with
 //! [`StepError::Contact`].
 //!
-//! The strain that unconverged sweeps leave is elastic energy, which contact can release. A sheet of 64 × 64 vertices
+//! [The strain that sweeps leave](#limits) is elastic energy, which contact can release. A sheet of 64 × 64 vertices
 //! and 0.2 kg falls 5 cm onto a ball. With implicit Euler it falls by 0.32 m in all, worth 0.6 J; with the default of
 //! 20 iterations it gains some 1500 J (`cloth-bench/doc/results.md`).
 //!
@@ -430,13 +436,14 @@
 //!
 //! The element is a [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) from x to a prescribed p, with
 //! shortest length 0, longest r and infinite stiffness, which [`StiffnessRule::Material`] projects in full. It moves x
-//! alone, so, added last, it holds after every sweep over the cloth, however few there are, but for contact, which
-//! comes after it. It bounds the stretch away from p and no other. p may move: r belongs to the rest shape, ‖x − p‖ to
-//! now. Several anchors of x are several rows; the last visited holds exactly, and two can hold together while their
-//! anchors are no farther apart than over the cloth. All rows of one p share a vertex, so each has a
-//! [colour](#order-of-the-constraints-colours-and-threads) of its own. For thousands of them write an element of x
-//! alone, N = 1, that has p as numbers (a moving one by `set_time`): no two share a vertex then, and one colour is
-//! enough.
+//! alone. So, added last, it holds after every Gauss–Seidel sweep, however few there are, with a relaxation of 1 and
+//! without Chebyshev. (Contact comes after it. A symmetric sweep visits it in the middle and is extrapolated; in a
+//! Jacobi sweep nothing is last.) It bounds the stretch away from p and no other. p may move: r belongs to the rest
+//! shape, ‖x − p‖ to now. Several anchors of x are several rows, of which the one visited last holds exactly. Two can
+//! both hold as long as the distance of their anchors is not above the sum of their r. All rows of one p share a
+//! vertex, so each has a [colour](#order-of-the-constraints-colours-and-threads) of its own. For thousands of them
+//! write an element of x alone, N = 1, that has p as numbers (a moving one by `set_time`): no two share a vertex then,
+//! and one colour is enough.
 //!
 //! # Limits
 //! - **The material is met by one constraint alone.** Constraints that share vertices spoil each other's corrections,
@@ -457,9 +464,9 @@
 //!   makes a sixth, an eighth or less of its correction. Without averaging it diverges there. It is meant to be
 //!   extrapolated.
 //! - Chebyshev pays with many sweeps (below ten it has hardly begun), and makes a material of finite k stiffer than the
-//!   same number of plain sweeps: [`StiffnessRule::Material`] counts plain ones. An accelerated Gauss–Seidel sweep is
-//!   symmetric, forward and backward, at twice the work. Where extrapolation makes corrections grow, it is disabled
-//!   until the next substep.
+//!   same number of plain sweeps: [`StiffnessRule::Material`] counts plain ones. A
+//!   [symmetric](#order-of-the-constraints-colours-and-threads) sweep is twice the work. Where extrapolation makes
+//!   corrections grow, it is disabled until the next substep.
 //! - The hierarchy, too, makes cloth stiff whatever its k: see [`Hierarchy`].
 //! - It is not the minimiser of implicit Euler, at any number of iterations: the iteration with a fixed s > 0 tends to
 //!   C = 0, whatever k.
@@ -479,7 +486,7 @@
 //!   angular momentum and inertia. It keeps both momenta, but treats the whole cloth as one stiff body: waves and folds
 //!   of any length die out alike, and k counts steps, not seconds. So it is not offered; scale velocities between steps
 //!   for more. No speed is clamped either.
-//! - Isotropic materials only: no element has moduli of its own along warp and weft.
+//! - Isotropic materials only: no moduli of their own along warp and weft. (Springs made by hand may each have a k.)
 //! - Stiffnesses are taken to be zero, positive or infinite, and not checked. A negative one pushes away from C = 0;
 //!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].
 //!

@@ -13,7 +13,7 @@ pub(crate) const BATCH_SIZE: usize = 32;
 /// Forces and energies of a batch of elements.
 #[derive(Debug)]
 pub(crate) struct ProjectionBatch<const K: usize> {
-    /// `w (z − p)` (N for an operator without dimension).
+    /// `w (z − p)` (N for an operator without dimension), the gradient of the energy by z: minus the force.
     forces: [[Vec3; K]; BATCH_SIZE],
     /// `½ w ‖z − p‖²` (J).
     energies: [Real; BATCH_SIZE],

@@ -24,7 +24,7 @@ pub struct AttachmentId(u32);
 /// |---|---|
 /// | state, gravity, load, a rest length in time, the target of an attachment | solves with the factor |
 /// | the path of a prescribed vertex | the same: its velocity is data of the step |
-/// | contacts, friction | the same, in conjugate gradients around it; no contact is in A |
+/// | contacts, friction | no contact is in A. Directions with active contacts do without the factor (`newton.rs`); without pairs, and where such a direction fails, conjugate gradients take it as preconditioner |
 /// | [`prescribe`](PdSolver::prescribe), [`attach`](PdSolver::attach), [`detach`](PdSolver::detach) | corrects by rank 1 |
 /// | [`release`](PdSolver::release) | corrects by rank 2 |
 /// | [`remove`](PdSolver::remove) | corrects by a rank for each row of S |

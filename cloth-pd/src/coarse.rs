@@ -9,9 +9,10 @@
 //!
 //! `A⁻¹ + P V Pᵀ`,  V near `(Pᵀ H P)⁻¹`,  `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z) S`
 //!
-//! is the constant matrix for what stretches springs and Newton's method for what is smooth. What is neither, short
-//! waves across the cloth, both leave: A keeps more of a wave the shorter it is ([crate page][1]), and the hats do not
-//! have it.
+//! is the constant matrix for what stretches springs and Newton's method for what is smooth. What is both, smooth
+//! stretching, is corrected up to twice ([crate page][1]): the parts are added, not applied one after the other, as
+//! that would take a further product with H. What is neither, short waves across the cloth, both leave: A keeps more of
+//! a wave the shorter it is ([crate page][1]), and the hats do not have it.
 //!
 //! V is a cycle of [`Multigrid`] on the lattice and the levels below it. The first part is symmetric and positive
 //! definite, the second symmetric and positive semi-definite (it vanishes on the r with Pᵀr = 0), so the sum is

@@ -88,8 +88,8 @@ impl FreeComponents {
     }
 
     /// Finds the components that a body or another component supports, in the contacts where a step has ended. The next
-    /// step begins where their velocities take them, and not where their momentum and gravity would: cloth that lies
-    /// still would have to come back from a fall of g Δt².
+    /// step starts these where their velocity takes them, x[0] + Δt v[0], without the shift by gravity that a free
+    /// component gets: cloth that lies still would have to come back from a fall of g Δt².
     pub(crate) fn find_supported(&mut self, rows: &[ContactRow]) {
         self.is_supported.fill(false);
         for row in rows {

@@ -12,8 +12,8 @@ pub struct PdConfig {
     /// earlier where forces balance (below) or no lower point is found. `None`: as many as it takes to come within
     /// [`velocity_tolerance`](Self::velocity_tolerance) or the `tolerance`. Plain and Chebyshev iterations do not know
     /// when they are within `velocity_tolerance`: without a `tolerance` they take ten where nothing touches. A step of
-    /// the quasi-Newton method from [`StartGuess::Inertial`] that would gain energy is taken again from `x[0]`, with as
-    /// many.
+    /// the quasi-Newton method from [`StartGuess::Inertial`] that ends above `G(x[0])` is taken again from `x[0]`, with
+    /// as many.
     pub iterations: Option<u32>,
     /// Most iterations of a step with `iterations: None`; at least 1.
     pub most_iterations: u32,
@@ -30,8 +30,9 @@ pub struct PdConfig {
     /// | yes | no | 0.3 τ | 20 |
     /// | yes | yes | 0.3 τ, in the first 15 a tenth of it | 6 |
     ///
-    /// Without pairs they are 30 in contact, and ε is 0.3 τ from the first. Without contact ε is smaller where pins
-    /// move because strain that a step leaves where a pin has pulled adds up over the steps.
+    /// A method without pairs (`history: 0`, plain, Chebyshev) makes at least 30 iterations in contact, and its ε is
+    /// 0.3 τ from the first on. Without contact ε is smaller where pins move because strain that a step leaves where a
+    /// pin has pulled adds up over the steps.
     ///
     /// This is an estimate, weaker than a bound on the gradient, and the error is larger than τ: A is too stiff where
     /// cloth bends, so B, and the decrement, come out too small. `Converged` says that the estimate is below ε, and no
@@ -61,10 +62,10 @@ pub enum StartGuess {
     /// `x[0]`, the positions before the step.
     Previous,
     /// `x[0] + Δt v[0]`: the motion goes on as it was. What gravity adds in a step is mostly taken back by a cloth that
-    /// is held, so this is nearer to the end of the step than x̃. Where few iterations end above `G(x[0])`, energy
-    /// appears in the step, and a tangle may feed on that; [`Acceleration::QuasiNewton`] then takes the step again,
-    /// from `x[0]`. A component of the cloth that nothing holds is shifted as a whole besides, so that its momentum is
-    /// right from the start.
+    /// is held, so this is nearer to the end of the step than x̃. Where few iterations end above `G(x[0])` the step may
+    /// have gained energy, on which a tangle feeds (or not: an elastic bounce, from v to −v, ends above it too).
+    /// [`Acceleration::QuasiNewton`] then takes the step again, from `x[0]`. A component of the cloth that nothing
+    /// holds is shifted as a whole besides, so that its momentum is right from the start.
     #[default]
     Inertial,
     /// `x̃`: where the vertices would go without elasticity.

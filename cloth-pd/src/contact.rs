@@ -13,8 +13,8 @@
 //! ```
 //! So candidates are detected in every iteration, for the path that is about to be taken, and `C`, `∇C` and the contact
 //! constraints of the next iteration are evaluated over them. An accepted path has no intersection, so nothing passes
-//! through in between (no tunnelling). One has up to four vertices with weights, as a vertex and a triangle or two
-//! edges have.
+//! through in between (no tunnelling). A contact constraint has up to four vertices with weights: a vertex and a
+//! triangle, or two edges.
 //!
 //! *Thickness* belongs to the potential (`cloth-collide`): it acts where two surfaces are nearer than that, so cloth at
 //! rest on something keeps a gap a little smaller, and no gap becomes zero.

@@ -85,17 +85,18 @@
 //! (tetrahedron), and everywhere for a strain limit without a lower end (0), whose set is convex. Elsewhere p jumps,
 //! and any of the nearest will do: E itself is continuous, and the bound from above, `G(x⁺) ≤ Q(x⁺)` of `objective.rs`,
 //! holds for each of them. `local.rs` has why U clamp(Σ) Vᵀ is nearest, the singular values in closed form, their
-//! signs, and the eigenvalues of I − ∂p/∂z. The bᵢ (1/m) are gradients of hat functions at rest.
+//! signs, and the eigenvalues of I − ∂p/∂z. The bᵢ (1/m) are the gradients of hat functions on the triangle at rest, X₀
+//! X₁ X₂ in its plane: b₁ᵀ and b₂ᵀ are the rows of `[X₁ − X₀, X₂ − X₀]⁻¹` (2 × 2), and b₀ = −b₁ − b₂.
 //!
-//! With the edge x₀ x₁, the tips x₂ and x₃, and the angles at rest θ₀, θ₁ of the first triangle and θ₂, θ₃ of the other
-//! at x₀ and x₁, a hinge has `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, so that
+//! With the edge x₀ x₁, the tips x₂ and x₃, and the angles at rest α₀, α₁ of the first triangle and α₂, α₃ of the other
+//! at x₀ and x₁, a hinge has `q = (cot α₁ + cot α₃, cot α₀ + cot α₂, −(cot α₀ + cot α₁), −(cot α₂ + cot α₃))`, so that
 //! ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its fold θ without stretch; D is the bending rigidity (N m), A₀
 //! and A₁ are the areas of its triangles. For small θ a flat hinge stores ½ D e² θ²/(A₀ + A₁). A cylinder of curvature
 //! κ then stores ½ D κ² per area on equilateral triangles, and on the alternating grid along its lines; 1½ times that
 //! along its diagonals. q is the row K₀ of Bergou et al. (2006): Σ qᵢ xᵢ vanishes for every flat hinge. As q is
 //! constant and p = 0, the energy is quadratic, and its Hessian w qᵀq constant. That is bending as long as edges keep
 //! their lengths (isometric deformation); a stretched fold feels the stretch too. A hinge curved at rest compares
-//! lengths only, so a fold by θ₀ to the wrong side costs nothing either.
+//! lengths only, so a fold by its rest angle to the wrong side costs nothing either.
 //!
 //! Both steps minimise, so `G` falls in every iteration with the whole matrix, from any start, without a line search:
 //! the frozen p bound the energy from above and touch it at x (majorise and minimise; `objective.rs` has by how much,
@@ -143,7 +144,10 @@
 //!   the iteration starts, the negative eigenvalues of each element set to zero (`local.rs`), and `PᵀHP` the Galerkin
 //!   coarse operator. The initial inverse Hessian becomes `A⁻¹ + P V Pᵀ`, V a cycle of
 //!   [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`. A reduces what stretches springs, the grid the
-//!   smooth part of what turns them. Rough folds neither reduces; they are left to the pairs.
+//!   smooth part of what turns them. Smooth *stretching* both reduce, so it is corrected up to twice: as H ≤ A, and
+//!   with an exact coarse solve, A⁻¹H and P V PᵀH have eigenvalues from 0 to 1, so their sum up to 2, and a step of
+//!   length 1 may turn such an error round. Pairs and line search mend that; scaled by ½, other errors would only be
+//!   halved. Rough folds neither reduces; they are left to the pairs.
 //!
 //! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add less
 //! than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the
@@ -190,7 +194,7 @@
 //! | A = M/Δt² + Σ w SᵀS | `matrix.rs` |
 //! | what quasi-Newton leaves out of it | `matrix.rs` |
 //! | its factor, and what changes it | `global.rs`, [`WoodburyUpdate`] |
-//! | the global step, A d = g | [`PanelFactor::solve`] |
+//! | the global step, A d = g (in `quasi_newton.rs` and `newton.rs` d is the direction, −A⁻¹g) | [`PanelFactor::solve`] |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | L-BFGS (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs`, [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory) |
 //! | `H + Σ k J Jᵀ` with active contacts; `A + Σ k J Jᵀ` | `newton.rs`; `contact.rs` |
@@ -200,8 +204,8 @@
 //!
 //! `examples/first_program.rs` is the plain iteration from x̃, for x itself, as loops over arrays with a dense matrix;
 //! 30 steps end within 10⁻¹² m of those of [`PdSolver`]. In the crate the formula of one element stands in `batch.rs`,
-//! at `ProjectionBatch::find_one_by_one` (z, p, force `w (z − p)`, energy `½ w ‖z − p‖²`), and the other files of the
-//! local step compute the same for many elements at once, to 10⁻¹⁴ of the largest force (`tests/chapter/local.rs`).
+//! at `ProjectionBatch::find_one_by_one` (z, p, gradient `w (z − p)`, energy `½ w ‖z − p‖²`), and the other files of
+//! the local step compute the same for many elements at once, to 10⁻¹⁴ of the largest force (`tests/chapter/local.rs`).
 //!
 //! # Iterations
 //! The sixteenth step of that sheet, from x̃, until `(G − G*)/(G(x̃) − G*)` is below an error
@@ -225,13 +229,7 @@
 //! Without a coarse grid, too, the number of iterations does not grow with the resolution, contrary to what is often
 //! said: the long waves, which have most of ‖e‖²_M, are the same on each mesh, with the same factor. It does depend on
 //! the stiffness, though not in order (each is another step, with other folds): to 10⁻⁴ at 32 a side plain iterations
-//! take 698 at 10² N/m, more than 3000 at 10³, 2625 at 10⁴ and more than 3000 at 10⁵; and at 10⁴ by the step size:
-//!
-//! | Δt (s); one step, after 0.25 s | 1/240 | 1/120 | 1/60 | 1/30 |
-//! |---|---|---|---|---|
-//! | plain | 1981 | 1964 | > 3000 | 2579 |
-//! | quasi-Newton | 128 | 109 | 276 | 132 |
-//! | with a coarse grid | 35 | 15 | 130 | 141 |
+//! take 698 at 10² N/m, more than 3000 at 10³, 2625 at 10⁴ and more than 3000 at 10⁵.
 //!
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
@@ -264,9 +262,10 @@
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release),
 //! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve by the
 //! identity of Woodbury, of rank r: 1 for a vertex that is grabbed and for an attachment, 2 for one that is released, a
-//! row of S each for an element that is removed. That takes r/3 solves to set up (a factorisation costs as much as at
-//! r = 27 to 51) and slows down every solve, until as much has been spent as a factorisation costs, which is then made.
-//! A dragged pin or attachment changes no matrix; a pin or an element that comes or goes takes a coarse grid anew.
+//! row of S each for an element that is removed. That takes r/3 solves and some r³ ns to set up, and slows down every
+//! solve, until as much has been spent as a factorisation costs, which is then made. (At 128 a side a change of r above
+//! 24, with bending in A above 45, is factorised at once.) A dragged pin or attachment changes no matrix; a pin or an
+//! element that comes or goes takes a coarse grid anew.
 //!
 //! # Contact
 //! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
@@ -283,9 +282,9 @@
 //! Friction is in C with the normal forces λ and planes of the start of the step (lagged, Li et al. 2020): μ λ f(‖u‖)
 //! of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a hundredth of the thickness, and stays
 //! there: friction has a potential, and never exceeds μ λ, with the λ of the start, which the step does not update:
-//! Coulomb's cone holds for that λ, not for the one at the end. In a step with contact, plain and Chebyshev iterations
-//! are replaced by quasi-Newton iterations without pairs, because an extrapolated displacement cannot be bounded.
-//! `contact.rs` has the order of an iteration, and another way (Ly et al. 2020).
+//! Coulomb's cone holds for that λ, not for the one at the end. In a step with contact quasi-Newton iterations without
+//! pairs take the place of plain and Chebyshev ones: these go on without a look at `G`, or extrapolate a displacement
+//! that contact has bounded. `contact.rs` has the order of an iteration, and another way (Ly et al. 2020).
 //!
 //! - **Directions are those of a truncated Newton method** (`newton.rs`). A is as stiff across a spring as along it,
 //!   which is how cloth moves on what it touches: so few iterations with A, pairs or not, leave forces out of balance.
@@ -293,7 +292,7 @@
 //!   cycle for that matrix. H is the Hessian of inertia and elements at the iterate, the negative eigenvalues of each
 //!   element set to zero (`local.rs` has them), J the derivative of a distance by the vertices and k the second
 //!   derivative of its energy, at least 0 ([`ContactRow`](cloth_core::contact::ContactRow)): the sum is positive
-//!   definite. The volume of a closed component ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is among the
+//!   definite. The volume of a closed surface ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is among the
 //!   contacts. The constant matrix waits until nothing touches.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
@@ -407,7 +406,7 @@
 //! ```
 //!
 //! An element that is no squared distance to a set under a constant linear map is refused when compiling, such as an
-//! area, a product of edges. (z = F with the set σ₁σ₂ = 1 would nearly keep it: Bouaziz et al. 2014, section 5.)
+//! area, a product of edges. (The set of all F with σ₁σ₂ = 1 nearly keeps areas: Bouaziz et al. 2014, section 5.)
 //! ```compile_fail,E0277
 //! use cloth_core::{energy::AreaTriangle, math::Vec3, particles::Particles};
 //!
@@ -422,7 +421,8 @@
 //!   angular frequency ω by `1 + (ω Δt)²` in a step: a swing of 1 s loses half of it in 1.06 s at Δt = 1/60 s, in 4.2 s
 //!   at 1/240. For more, scale the velocities between steps, or hand over the air, `StepInput::air`: quasi-Newton
 //!   iterations have `½ Δt (v − v[0])ᵀ D (v − v[0])` in G, D its drag ([`cloth_core::air`]), plain and Chebyshev
-//!   iterations without contact its force at the start of the step.
+//!   iterations without contact its force at the start of the step, bounded as if nothing held the cloth, so that it
+//!   does not turn the flow round: held cloth may feel too little.
 //! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon reached and says
 //!   little: plain, truncated there, the sheet above floats. Check the fall beside the stretch first.
 //! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Ten, with a coarse
@@ -440,12 +440,12 @@
 //!   *One instant misleads.* Rounding alone (another order of adding up the springs) moves the largest stretch at the
 //!   last step between −28 and −0.2 % (10 cells), the mean kinetic energy between −44 and −52 %: compare means.
 //! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])` where no pin or body
-//!   moves: one that ends above is taken again, which the hanging sheet never needs. In energies, W the elastic one and
-//!   that of gravity: `W(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ W(x[0]) + ½ ‖v[0]‖²_M`, so a tangle cannot store more than the
-//!   whole energy before. Where E is convex and the step ends at the exact minimum of `G`, `½ ‖v[1]‖²_M` may be added
-//!   on the left: no energy is gained. Plain and Chebyshev iterations from there, and all from x̃, have no such
-//!   safeguard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from
-//!   any start (in a point, on a line, mirrored, random, blown up), forces balanced.
+//!   moves: one that ends above is taken again, which the hanging sheet never needs. With W the sum of the elastic
+//!   energy and that of gravity, this says `W(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ W(x[0]) + ½ ‖v[0]‖²_M`. So a tangle cannot
+//!   store more than the whole energy before. Where E is convex and the step ends at the exact minimum of `G`,
+//!   `½ ‖v[1]‖²_M` may be added on the left: no energy is gained. Plain and Chebyshev iterations from there, and all
+//!   from x̃, have no such safeguard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped,
+//!   hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
 //!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, an error of 10⁻² takes
 //!   32 iterations with it and 7 without any acceleration.
@@ -454,11 +454,11 @@
 //! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing
 //!   holds starts with the right momentum, and every direction keeps it. The start at `x[0]` gains it with the first
 //!   full step. Angular momentum is not: implicit Euler does not conserve it (`components.rs` has both).
-//! - Only energies of the form above: springs, stitches, hinges that are flat at rest (at vertices or, as
-//!   [`MidpointHinge`](cloth_core::energy::MidpointHinge), at edge midpoints) or curved, as-rigid-as-possible triangles
-//!   and tetrahedra, strain limits, attachments. An energy with a varying stiffness has another form, and so have the
-//!   hyperelastic ones of Liu et al. (2017), whose w shapes A alone.
-//! - Isotropic materials only: no element has moduli of its own along warp and weft.
+//! - Only energies of the form above: springs, stitches, hinges that are flat at rest (of vertices or, as
+//!   [`MidpointHinge`](cloth_core::energy::MidpointHinge), of the midpoints of edges) or curved, as-rigid-as-possible
+//!   triangles and tetrahedra, strain limits, attachments. Not offered: energies whose stiffness varies, and the
+//!   hyperelastic ones of Liu et al. (2017), whose w is in A only.
+//! - Isotropic materials only: no moduli of their own along warp and weft. (Springs made by hand may each have a k.)
 //! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
 //! - A matrix in which elimination cancels all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m`

@@ -324,7 +324,8 @@ impl LocalStep {
     }
 
     /// Adds the gradient `Σ w Sᵀ(S x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns
-    /// the energy `½ Σ w ‖S x − p‖²` (J). Elements whose projection is constant add nothing: they are in the matrix.
+    /// the energy `½ Σ w ‖S x − p‖²` (J). Elements whose projection is constant add nothing: the solver sums them as
+    /// one matrix (`quadratic.rs`).
     ///
     /// # Panics
     /// If a vertex of an element has no position or no entry in `out`.

@@ -16,7 +16,7 @@
 //! | drag of the air (quasi-Newton) | A lacks D/Δt | line search |
 //! | pairs, coarse grid | the direction is not −A⁻¹g | line search |
 //! | extrapolation (Chebyshev) | x⁺ is not the minimum of Q | `G` is compared |
-//! | contact, friction | C is no squared distance, and stiffens without bound as a gap closes | contact constraints in the solve, line search |
+//! | contact, friction | C is no squared distance, and stiffens without bound as a gap closes | a direction from `H + Σ k J Jᵀ` (`newton.rs`) or `A + Σ k J Jᵀ` (`contact.rs`), line search |
 //! | p not the nearest point, or w that depends on x | Q ≥ `G` or ∇Q = ∇G fails | none: the element is wrong |
 //! | another energy, such as neo-Hookean | its Hessian may exceed A | not taken |
 //! | rounding of `G` | two values agree to 10⁻¹² of their size | the slope decides (`quasi_newton.rs`) |

@@ -5,9 +5,10 @@
 //! solve, d = A⁻¹ r (and the coarse correction); then, the oldest first, d ← d + (a − y·d/(s·y)) s (the two-loop
 //! recursion, Nocedal and Wright 2006, algorithm 7.4; `limited_memory.rs` takes the same products in one pass).
 //!
-//! *Pairs.* A step begins without any: another x̃ makes another `G`, and pairs of the step before made line searches
-//! necessary. A failed direction clears them too. Armijo's condition alone does not make yᵀs positive for a step s and
-//! its change y of the gradient; [`LimitedMemory`] leaves out a pair of which it is not, so B stays positive definite.
+//! *Pairs.* A step begins without any: its x̃, and so its `G`, is another. With pairs of the step before, full steps
+//! were often refused, and the line search had to shorten them. A failed direction clears them too. Armijo's condition
+//! alone does not make yᵀs positive for a step s and its change y of the gradient; [`LimitedMemory`] leaves out a pair
+//! of which it is not, so B stays positive definite.
 //!
 //! *Line search.* Length 1 first; accepted where G has fallen by 10⁻⁴ ([`ARMIJO`]) of length times slope. The next
 //! length is where the parabola through both values and the slope has its minimum, but between a tenth and a half of

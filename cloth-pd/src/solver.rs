@@ -90,9 +90,10 @@ const MIN_ITERATIONS_IN_CONTACT: u32 = 30;
 /// Factor on the tolerance with active contacts. A cloth of 1 kg/m² that lands on a ball, and is stopped within a step,
 /// keeps 0.35 J of kinetic energy with all of it, 1.1 J with a half, 1.3 J with this; converged, 1.3 to 1.4 J.
 const CONTACT_TOLERANCE_FACTOR: Real = 0.3;
-/// Before this many directions of Newton's method they have to get to this fraction of the tolerance: where they
-/// converge fast, a few more cost little. The tolerance is relative to all forces, and those that friction or a body
-/// holds hide what slides: with all of it from the start a towel slid 4.6 % less far from its rail, with this 0.2 %.
+/// In the first directions of Newton's method, fewer than this many, a step ends only at this fraction of the
+/// tolerance: where they converge fast, a few more cost little. The tolerance is relative to all forces, among them
+/// those that friction or a body balances, beside which what slides is small. With the whole tolerance from the start a
+/// towel slid 4.6 % less far from its rail, with this fraction 0.2 %.
 const EARLY_NEWTON_ITERATIONS: u32 = 16;
 const EARLY_TOLERANCE_FACTOR: Real = 0.1;
 /// Factor on the tolerance without active contacts. Ten iterations a step leave a light, stiff sheet (0.3 m, 0.1
@@ -427,8 +428,9 @@ impl PdSolver {
     /// Values of `G` are known up to a constant of the step ([`Objective`]): inertia and the energy of the families of
     /// constant projection count from `x[0]`, with 0 there. So the value at `x[0]` is the energy of all other elements,
     /// of attachments that came later and of contact, none of them negative: an end whose value is at most 0 is not
-    /// above `x[0]`, and is kept without a comparison. The fallback is `x[0]` but in three cases. Its value may be
-    /// below 0 there, and an end between the two is kept all the same:
+    /// above `x[0]`, and is kept without a comparison. The fallback is `x[0]`, of value 0 or more, but in three cases.
+    /// In these its value may be below 0, and then an end with a value between the two is kept, though the fallback is
+    /// lower:
     /// - A free component without contact has moved as its momentum takes it, its mean (by mass) by ū. That changes no
     ///   elasticity and lowers the value by `m ‖ū‖²/(2Δt²)`, m its mass. `G(x[1]) ≤ G(x[0])` still holds.
     /// - A pin moves: the families of constant projection may store less at the fallback than at `x[0]`. The end that

@@ -61,9 +61,9 @@
 //! of the material, and `k = ∞` is allowed: a hard constraint.
 //!
 //! # From backward Euler to the update
-//! **The step.** Backward Euler for `M v̇ = f − ∇E(x)` is `x = x̃ − h² M⁻¹ ∇E(x)`, with the inertial prediction
-//! `x̃ = x⁰ + h v⁰ + h² M⁻¹ f` of all external forces f. It is where the gradient of `G(x) = ½ ‖x − x̃‖²_M/h² + E(x)`
-//! vanishes, with `‖y‖²_M = yᵀ M y`.
+//! **The step.** Backward Euler for `M v̇ = f_ext − ∇E(x)` is `x = x̃ − h² M⁻¹ ∇E(x)`, with the inertial prediction
+//! `x̃ = x⁰ + h v⁰ + h² M⁻¹ f_ext` of all external forces, the weight among them. It is where the gradient of
+//! `G(x) = ½ ‖x − x̃‖²_M/h² + E(x)` vanishes, with `‖y‖²_M = yᵀ M y`.
 //!
 //! **The energy.** An element has one or a few constraint functions C(x), its *rows*, with `E = ½ Σ k C²`, so
 //! `∇E = Σ k C ∂C/∂x`: every row pushes along its own gradient with the generalised force `−k C`. Call h² times that
@@ -95,20 +95,20 @@
 //!
 //! **One spring** shows what λ is for. With C̃ its stretch at x̃, the first visit makes `λ = −C̃/(w̃ + α̃)` and leaves
 //! `C = C̃ α̃/(w̃ + α̃) = C̃/(1 + k h² w̃)`: backward Euler's answer. Now `C + α̃λ = 0`, so a second visit does
-//! nothing. An update without λ would shrink C again, to `C̃/(1 + k h² w̃)ⁿ` in n visits, and k would depend on n, as
-//! in PBD.
+//! nothing. With α = 0, k = ∞, the update is `Δλ = −C/w̃`: a hard row is projected as in PBD with s = 1. An update
+//! without λ would shrink C again, to `C̃/(1 + k h² w̃)ⁿ` in n visits, and k would depend on n, as in PBD.
 //!
 //! **What λ accumulates** is the sum of its row's Δλ in this substep: h² times the generalised force averaged over the
-//! substep, `Jᵀλ/h²` in N. It is set to zero at the start of each *substep*, because (a) has to hold there: at x = x̃
-//! no row has moved anything. Set to zero in each *iteration*, it gives the update without λ, above. *Never* set to
-//! zero, it turns a spring into a dashpot of kh (N s/m): to bear a weight takes `Δλ = −m g h²` in every substep, so λ
-//! grows without end, and the stretch −α̃λ that (b) asks for with it, by m g/k a substep. (A warm start has to move x
-//! along, or keep the residual of (a), as [the direct solver](#direct-solve) does.)
+//! substep. The forces on the vertices are `Jᵀλ/h²` (N). It is set to zero at the start of each *substep*, because (a)
+//! has to hold there: at x = x̃ no row has moved anything. Set to zero in each *iteration*, it gives the update without
+//! λ, above. *Never* set to zero, it turns a spring into a dashpot of kh (N s/m): to bear a weight takes `Δλ = −m g h²`
+//! in every substep, so λ grows without end, and the stretch −α̃λ that (b) asks for with it, by m g/k a substep. (Who
+//! starts from an old λ has to keep the residual of (a), as [the direct solver](#direct-solve) does.)
 //!
 //! **What is lost.** Dropping the geometric stiffness alone changes the path of the iteration, not its limit. The limit
 //! moves because the residual of (a) is dropped: each `JᵀΔλ` is added with the gradients of its own visit, so (a) holds
-//! with those, not with the J of the end. Converged sweeps end near the minimum of G; with linear rows, at it. See the
-//! [limits](#limits).
+//! with those, not with the J of the end. Converged sweeps end near the minimum of G; with linear rows, at it
+//! ([limits](#limits)).
 //!
 //! **Beside projective dynamics**, which lowers the same G in x with one constant matrix for all elements at once: XPBD
 //! eliminates x by `x = x̃ + M⁻¹ Jᵀ λ` and relaxes the system that is left in λ, the *dual* one above, row by row. Its
@@ -118,7 +118,7 @@
 //! # The step
 //! ```text
 //! for each of s substeps of h = Δt/s:
-//!     where w > 0:  v ← v + h (g + w f)                f without the weight; where w = 0, v stays as it is
+//!     where w > 0:  v ← v + h (g + w f)                f: load without weight, of f_ext = M g + f; w = 0 keeps v
 //!     x̃ ← x + h v,  x ← x̃,  λ ← 0                      prediction
 //!     n times, for each row: Δλ, λ and x as above      one sweep
 //!     v ← v + (x − x̃)/h
@@ -127,17 +127,16 @@
 //! It is Algorithm 1 of Macklin et al. 2016 in substeps (Macklin et al. 2019); `v + (x − x̃)/h` is their `(x − x⁰)/h`,
 //! rounded better. The rows are visited family by family: a *family* is what one call of
 //! [`energy`](XpbdBuilder::energy) adds, elements of one type. Air ([`StepInput::air`]) is projected after each sweep
-//! and before contact, as a constraint of stiffness D/h. `examples/first_program.rs` is this box as plain loops over
-//! arrays, and compares itself with [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
+//! and before contact, as a constraint of stiffness (drag in kg/s)/h. `examples/first_program.rs` is this box as plain
+//! loops over arrays, and compares itself with [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
 //!
 //! A prescribed (pinned, kinematic) vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work
 //! that this takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state, unless
 //! `energy_gain` is set: a fresh solver continues a run with the same bits.
 //!
-//! To drag a vertex, prescribe it before building, and before each step set its velocity to `(target − position)/Δt`;
-//! [`Pins`](cloth_core::pin::Pins) does so for paths. The solver copies masses and prescribed vertices when it is
-//! built: to grab or release one during a run, build a new solver and go on with the same state. A soft pin is an
-//! [`Attachment`](cloth_core::energy::Attachment).
+//! To drag a vertex, prescribe it before building, and before each step set its velocity to `(target − position)/Δt`
+//! ([`Pins`](cloth_core::pin::Pins) does for paths). The solver keeps a copy: to grab or release one, build a new one
+//! and go on with the state. A soft pin is an [`Attachment`](cloth_core::energy::Attachment).
 //!
 //! The rows of one element are solved together, block Gauss–Seidel: `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with its few
 //! rows, so the three strains of a triangle need no repetition to agree. Rows without a common coordinate, those of a
@@ -173,8 +172,8 @@
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`:
-//! `Δλ ← −residual/(w̃ + α̃)` with the residual C + α̃λ from `update.rs`. The other functions there solve the rows of
-//! an element together, project λ of limits, or are the same for rows of a special shape.
+//! `Δλ ← −residual/(w̃ + α̃)` with the residual C + α̃λ from `update.rs`. The other functions there are for coupled
+//! rows, for limits, and for rows of a special shape.
 //!
 //! # Units
 //! | element | C | k | α = 1/k | λ |
@@ -199,7 +198,7 @@
 //!
 //! **k from D.** A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` along x, y and z, k = 3c/(A₀ + A₁) (Bergou et al.
 //! 2006); `CurvatureHinge::new` takes c, `CurvatureHinge::across` D, and c = D/3: equilateral triangles, bent to a
-//! cylinder of curvature κ in any direction, then store ½ D κ² per area ([derivation, and what other meshes
+//! cylinder of radius R in any direction, then store ½ D/R² per area ([derivation, and what other meshes
 //! do](cloth_core::energy#what-a-bending-rigidity-means-on-a-mesh)). The rows of a StVK triangle are a change of area
 //! and two shears, with a k for each such that `½ Σ k C²` is its energy ([formulas](XpbdBuilder#elements)).
 //!
@@ -230,11 +229,11 @@
 //!
 //! # How many substeps, how many iterations
 //! The closed forms of a straight chain of N rigid links of length l tell what a setting leaves on top of the elastic
-//! strain. A sheet of N rows of edges, hung by one side, is such a chain as far as its weight goes.
+//! strain. A sheet with N rows of edges, hung by one side, carries its weight as such a chain does.
 //!
-//! - **One sweep per substep** of `h = Δt/s`, from the support: the lower end of link i is left behind by what the next
-//!   link pulls, `wᵢ |λᵢ₊₁|` with `|λᵢ₊₁| = g h² (mass below i)`. The chain sags by `g h² Σ (mass below i)/mᵢ`: for
-//!   equal masses `g h² N(N − 1)/2`, a mean strain of `ε = g h² (N − 1)/(2 l)`; a tip of mass m_t adds
+//! - **One sweep per substep** of `h = Δt/s`, from the support: after link i is met the next link pulls its lower end
+//!   away, by `wᵢ |λᵢ₊₁|`, with `|λᵢ₊₁| = g h² (mass below i)`. The chain sags by `g h² Σ (mass below i)/mᵢ`: for equal
+//!   masses `g h² N(N − 1)/2`, a mean strain of `ε = g h² (N − 1)/(2 l)`; a tip of mass m_t adds
 //!   `g h² (N − 1)(m_t/m − 1)`, which for a heavy one is nearly all. So a wanted ε takes
 //!
 //!   ```text
@@ -246,9 +245,9 @@
 //!   24), to about `g Δt² N(N − 1)/(2n)`, as long as n is well below N². (n substeps divide it by n², as each needs
 //!   only a λ that goes with h².) From then on each keeps `cos²(π/(2N))` of the error ([limits](#limits)), a factor of
 //!   100 in `ln 100/(−2 ln cos(π/(2N)))` sweeps: 1,074 for these 24 links.
-//! - **"As many iterations as the mesh is wide"** is a popular rule. N sweeps leave `cos^(2N)(π/(2N)) ≈ e^(−π²/(4N))`
-//!   of the slowest error, here 90 %. At rest they leave a sag of about `g Δt² (N − 1)/2`, a mean strain of 3.1 %, for
-//!   the 24 links: measured 3.0 %, and 2.3 % on a sheet of as many rows; as many substeps leave 0.13 % and 0.10 %.
+//! - **"As many iterations as the mesh is wide"**, a popular rule: N sweeps leave `cos^(2N)(π/(2N)) ≈ e^(−π²/(4N))` of
+//!   the slowest error, here 90 %. At rest they leave a sag of about `g Δt² (N − 1)/2`, a mean strain of 3.1 %, for the
+//!   24 links: measured 3.0 %, and 2.3 % on a sheet of as many rows; as many substeps leave 0.13 % and 0.10 %.
 //!
 //! Sheets differ from that: held by an edge they are strained by 0.8 of the prediction, by two corners by 3 times as
 //! much or more ([table](SubstepRule#against-the-closed-form)), since the weight of the whole sheet goes through a few
@@ -301,7 +300,8 @@
 //! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. A chain of 20 rigid links takes less than a
 //! fifth of the sweeps to 1e-7 m with ρ given, less than a third with ρ estimated (`tests/all/sweeps.rs`).
 //!
-//! The family visited last is met best: add the one that must hold best last. Contact comes after all families.
+//! The family visited last is met best: add the one that must hold best last (with Chebyshev first). Contact comes
+//! last.
 //!
 //! # Contact
 //! A [`ContactSource`](cloth_core::contact::ContactSource), as the crate `cloth-collide` has it, is handed over with
@@ -317,27 +317,29 @@
 //! ψ = ½ κ t² − κ t² ln(d/t)        below t = r/2, a barrier
 //! ```
 //!
-//! - **r** is the thickness that the builder is given; between two edges half of it. So edges push only where no vertex
-//!   keeps the cloth apart already, and far fewer pairs are near enough to push.
+//! - **r** is the distance at which two layers of cloth meet, the thickness that the builder is given; between two
+//!   edges it is half of that. So edges push only where no vertex keeps the cloth apart already, and far fewer pairs
+//!   are near enough to push.
 //! - **A**, the area at rest that a contact stands for, makes A ψ its energy: of a vertex a third of the triangles
 //!   around it, and half of that before other cloth, whose vertices press too; of two edges the smaller of theirs, each
 //!   a third of the triangles beside it.
 //! - **κ** is a number of the scene. A pressure p leaves a gap of r − p/κ, as long as p < κ r/2: at the default of 10⁶
-//!   Pa/m cloth of 0.2 kg/m² that lies on a body gives way by 2 µm of 1 mm. With ρ the mass per area `κ h²/ρ` is the
+//!   Pa/m cloth of 0.2 kg/m² that lies on a body gives way by 2 µm of 1 mm. With σ the mass per area `κ h²/σ` is the
 //!   `k h² w̃` of a vertex before a body, 3.5 for that cloth at h = 1/1200 s; much above 1 it acts as a hard row.
 //!
 //! A row has one k, so ψ′ is replaced by its tangent at the distance d of the start: compliance 1/(A ψ″), and
 //! `d₀ = d − ψ′/ψ″`, where that line is zero. From t on this gives d₀ = r and ψ″ = κ, the spring itself; below,
-//! `d₀ = 2d` and `ψ″ = κ t²/d²`: what is too near is held more stiffly, but sent to 2d only in one substep. In a visit,
-//! with `ŵ = Σ w_k c_k²`,
+//! `d₀ = 2d` and `ψ″ = κ t²/d²`: what is too near meets a stiffer row, which in one substep takes it to 2d at most, not
+//! to r. In a visit, with `ŵ = Σ w_k c_k²`,
 //!
 //! ```text
 //! Δλ = max(−λ, −(C + α̃λ)/(ŵ + α̃)),   λ_t ← λ_t − u/ŵ, cut to ‖λ_t‖ ≤ μ λ
 //! ```
 //!
 //! the second for friction (after Müller et al. 2020, section 3.5, with one μ for sticking and sliding): u is the
-//! displacement of `Σ c_k x_k` at right angles to n from where the contact began to stick, also in an earlier substep.
-//! The λ of the bound μλ is that of this very sweep, just updated, so cloth that lands has friction at once.
+//! displacement of `Σ c_k x_k` at right angles to n from where the contact sticks. That is where it was when contact
+//! began; from substep to substep u is kept while λ > 0, cut to a hundredth of the thickness, since the rest has
+//! slipped. The λ of the bound μλ is that of this very sweep, just updated, so cloth that lands has friction at once.
 //!
 //! **After the sweeps** (`end_substep`) every pair is tested over its whole path. A pair is safe if it keeps a tenth of
 //! its distance there (of r, if that is less). While some are not safe,
@@ -356,9 +358,9 @@
 //! path, [`IntersectingStart`](cloth_core::contact::ContactError::IntersectingStart) where something crossed before.
 //!
 //! **Restitution.** With `PotentialBuilder::restitution(e)`, e from 0 to 1, `change_velocities` gives every pair that
-//! approached with the velocity u along n and has touched the velocity e u, by the impulse `(e u − s)/ŵ` along n, s its
-//! separation velocity before that (Müller et al. 2020, section 3.6). An approach of less than a thousandth of the
-//! thickness in a substep is rest. Unless e is set, contact gives back what ψ has stored.
+//! approached with a speed v_a along n and has touched the separation velocity e v_a, by the impulse `(e v_a − v_s)/ŵ`
+//! along n, v_s its separation velocity before that (Müller et al. 2020, section 3.6). An approach of less than a
+//! thousandth of the thickness in a substep is rest. Unless e is set, contact gives back what ψ has stored.
 //!
 //! **Bodies**, all of `PotentialBuilder`, each with its own μ: `obstacle` is a rigid one of a signed distance, still or
 //! with the velocities of its `RigidMotion`; `animated` a mesh whose vertices follow given shapes; `free` gives an
@@ -366,19 +368,16 @@
 //! substep ends, and friction acts against its velocity.
 //!
 //! **Cloth with itself.** A pair is a vertex and a triangle, or two edges, that share no vertex and are not sewn
-//! together: those that do are neighbours, and never kept apart. Two primitives of one connected piece that are nearer
-//! than r at rest push only from their distance at rest on. So r may be longer than an edge, and the cloth still does
-//! not push itself apart at rest. But where r is not much shorter than an edge, a vertex feels several triangles of the
-//! other side, and the pressure is higher than κ says: 1.3 times with r a tenth of an edge, 4.6 times with r as long as
-//! an edge. What does not cross when a step begins does not cross when it ends.
+//! together; nothing keeps apart what does or is. Two primitives of one connected piece that are nearer than r at rest
+//! push only from their distance at rest on. So r may be longer than an edge, and the cloth still does not push itself
+//! apart at rest. But where r is not much shorter than an edge, a vertex feels several triangles of the other side, and
+//! the pressure is higher than κ says: 1.3 times with r a tenth of an edge, 4.6 times with r as long as an edge. What
+//! does not cross when a step begins does not cross when it ends.
 //!
-//! ```text
-//! let mut contacts = PotentialContacts::builder(&mesh).thickness(2e-3).friction(0.3).build()?; // m; cloth on cloth
-//! solver.step(&mut state, StepInput::new(dt).gravity(g).contacts(&mut contacts))?;
-//! ```
-//!
-//! from `cloth_collide::potential`; bodies by `.obstacle(body, friction)`, and self-contact is on by default. The
-//! solver itself knows nothing of shapes, and runs no code for contact without a source. A volume to be kept
+//! **In code**, from `cloth_collide::potential`, with the thickness in m and the μ of cloth on cloth:
+//! `let mut contacts = PotentialContacts::builder(&mesh).thickness(2e-3).friction(0.3).build()?;`, then
+//! `solver.step(&mut state, StepInput::new(dt).gravity(g).contacts(&mut contacts))?`. Self-contact is on by default.
+//! The solver itself knows nothing of shapes, and runs no code for contact without a source. A volume to be kept
 //! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one more row, C = V − V* of all vertices of a closed
 //! piece, with ∂V as at the start of the substep, swept before the contacts. Unconverged sweeps leave energy in contact
 //! too: ask [`SubstepRule`] for a strain of 7 % ([table](SubstepRule#with-contact)).
@@ -394,8 +393,8 @@
 //! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
 //! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle) are inequality constraints: C is the length or
 //! singular value less the nearest allowed one, and λ keeps its sign. With finite k a limit yields by f/k under a force
-//! f; with `k = ∞` it is hard. Like every constraint it is met as far as the sweeps have converged: add its family
-//! last, and use more substeps. A limit that holds after every step is a projection after it (`cloth-pbd`).
+//! f; with `k = ∞` it is hard. Like every constraint it is met as far as the sweeps have converged: add its family last
+//! (with Chebyshev first), and use more substeps. `cloth-pbd` has a projection after the step.
 //!
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or substeps,
@@ -468,18 +467,16 @@
 //! direct solver asks for `geometric_stiffness`, which has a default.
 //!
 //! # What a sweep costs
-//! On one thread of a 2-core AMD EPYC (Zen 3) a spring takes 5 to 6 ns a sweep, a quadratic hinge 8 to 13, on sheets of
-//! 64 to 1000 vertices a side ([table, and the rest of a step](XpbdSolver#what-a-step-costs)). The sweeps of a step
-//! take substeps × iterations × Σ elements × ns. A whole run of a sheet with springs and hinges, 256 vertices a side,
-//! takes 1.6 kB of memory a vertex (`cloth-bench study scale`). With a second thread springs take 4.1 instead of 5.2 at
-//! 128 a side, and half the time of one thread from 181 a side (33 000 vertices) on; smaller sheets stay on one.
+//! The sweeps of a step take substeps × iterations × Σ elements × the time of one: 5 to 6 ns for a spring, 8 to 13 for
+//! a quadratic hinge ([table, and the rest of a step](XpbdSolver#what-a-step-costs)). Half the time with a second
+//! thread from 33 000 vertices on; 1.6 kB of memory a vertex in all.
 //!
 //! # Limits
 //! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ` zero, with
-//! gradients of the places where each correction was made; implicit Euler wants them at the end. The gap shrinks with
-//! h, towards h⁴ (factors of 193 and 50, not yet 256, in the last line), and not with n. On a swinging chain of ten
-//! links (0.1 m, 0.1 kg) converged sweeps leave these fractions of `G(x̃) − G*`, G* the minimum
-//! (`cloth-bench study xpbd-floor`); the direct solver leaves no more than rounding does:
+//!   gradients of the places where each correction was made; implicit Euler wants them at the end. The gap shrinks with
+//!   h, not with n: at last as h⁴, so by 4⁴ = 256 from one line of the table to the next (not yet in these). On a
+//!   swinging chain of ten links (0.1 m, 0.1 kg) converged sweeps leave these fractions of `G(x̃) − G*`, G* the minimum
+//!   (`cloth-bench study xpbd-floor`); the direct solver leaves no more than rounding does:
 //!
 //!   | Δt (s) | k = 200 N/m | k = 10⁴ N/m |
 //!   |---|---|---|
@@ -496,21 +493,20 @@
 //! - **Stability**: for linear equality rows each visit of Gauss–Seidel, with a relaxation between 0 and 2, lowers
 //!   `½ λᵀ(J M⁻¹ Jᵀ + α̃)λ + λᵀC(x̃)`. From step to step nothing is proved; `energy_gain` watches it.
 //!   [`Sweep::PlainJacobi`] diverges in cloth unless it is relaxed.
-//! - Linear momentum is conserved to round-off in free flight; angular momentum is lost, to order h, as in implicit
-//!   Euler. So is energy, once the sweeps have converged. Unconverged sweeps leave stretch that holds elastic energy ½
-//!   k C² which nothing has put in; see [contact](#contact).
+//! - Linear momentum is conserved to round-off in free flight: `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ` is zero for every C that is
+//!   invariant under translation. Angular momentum is lost, to order h, as in implicit Euler: a correction has no
+//!   moment about the positions at its visit, but they turn in the substep. Energy is lost, too, where sweeps converge;
+//!   unconverged ones leave stretch that holds elastic energy ½ k C² which nothing has put in; see [contact](#contact).
 //! - A substep moves a vertex by some g h², beside positions that are rounded to 10⁻¹⁶ of their size: at 1 m and h =
 //!   10⁻⁶ s a correction has five digits left. For single precision see `single`, which adds up displacements.
 //! - Damping does not act on hard rows, which do not move, on limits, whose damper would push, nor on rigid motion.
 //! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before
-//!   (`chapter/guide.rs`). Ringing is energy that a stop has left in springs: take more substeps, `energy_gain` or
-//!   damping. Rounding gives 10⁻¹⁶ of the positions over h, 1e-13 m/s at 1 m and 1/1200 s.
+//!   (`chapter/guide.rs`). Ringing is energy of a stop left in springs: take more substeps or damping.
 //! - **Locking** comes from the mesh; converged sweeps have it as any method has. By Euler's formula a sheet of V
-//!   vertices and E edges that cannot stretch (one piece, no holes) has 3V − E = B + 3 motions, B the edges of its
-//!   boundary. That is far fewer than the V numbers that a free choice of its shape would take, the more so the finer
-//!   the mesh. One motion each is a fold along a straight line of edges from boundary to boundary; a bend in most other
-//!   directions has to stretch springs. Remedies: [`SpringLaw`](cloth_core::cloth::SpringLaw) and `cloth_core::dof`,
-//!   with numbers.
+//!   vertices and E edges that cannot stretch (one piece, no holes) has 3V − E = B + 3 motions, the six rigid ones
+//!   among them, B the edges of its boundary. To choose a surface freely takes about V numbers, one height a vertex:
+//!   far more, the more so the finer the mesh. A flat sheet folds along straight lines of edges across it; most other
+//!   bends stretch springs. Remedies: [`SpringLaw`](cloth_core::cloth::SpringLaw), `cloth_core::dof`.
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
@@ -530,7 +526,8 @@
 //!   springs (both of `cloth-massspring`); substeps only lower the damping here.
 //! - **Mass ratios far from 1** along chains: the direct solver.
 //! - **Energies that are not `½ k C²`** with constant k in a few rows, as cubic shells. (Stable neo-Hookean solids can
-//!   be written as two rows: Macklin and Müller 2021.) Triangles are isotropic; springs may differ by direction.
+//!   be written as two rows: Macklin and Müller 2021.) Isotropic materials only: no moduli of their own along warp and
+//!   weft. (Springs made by hand may each have a k.)
 //!
 //! It is at its best with few constraints, hard ones beside soft ones, limits, and where some strain may be seen.
 //!
@@ -546,7 +543,10 @@
 //! `tests/all/chapter.rs` and its folder test what this page claims; its head lists the closed forms that the solver
 //! meets, and to which tolerance. `cloth-bench law xpbd-constraint` and its like print such a form beside the code.
 //!
-//! XPBD is reported to be covered by US patent 11,270,041. Whether that concerns you is for you to check.
+//! # Differences from the papers
+//! - [Damping](#damping) takes C − C⁰, not ∂C/∂x·(x − x⁰), and does not act on limits.
+//! - The rows of an element are solved together. [`Chebyshev`] takes symmetric sweeps and extrapolates λ with x.
+//! - Limits and contact accumulate a λ of one sign, contact with a compliance; friction has one μ, paths are tested.
 //!
 //! # References
 //! - M. Macklin, M. Müller, N. Chentanez, "XPBD: position-based simulation of compliant constrained dynamics", Motion
@@ -565,6 +565,8 @@
 //! - X. Provot, "Collision and self-collision handling in cloth model dedicated to design garments", 1997; R. Bridson,
 //!   R. Fedkiw, J. Anderson, "Robust treatment of collisions, contact and friction for cloth animation", ACM Trans.
 //!   Graph. 21(3), 2002, <https://doi.org/10.1145/566654.566623>: impact zones.
+//!
+//! XPBD is reported to be covered by US patent 11,270,041: whether that concerns you is for you to check.
 
 #![forbid(unsafe_code)]
 

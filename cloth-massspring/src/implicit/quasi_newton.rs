@@ -111,8 +111,9 @@ impl QuasiNewton {
         self.shortened_steps >= MAX_SHORTENED_STEPS
     }
 
-    /// Writes the direction (m) for a gradient (N) to `out`. Returns the slope along it (J), by how much the square of
-    /// the Newton decrement is more than the slope says (J), and how many linear iterations that took.
+    /// Writes the direction (m) for a gradient (N) to `out`. Returns the slope along it (J); what has to be added to
+    /// minus the slope for the square of the Newton decrement (J), because conjugate gradients ended before the
+    /// solution, 0 for L-BFGS; and the number of linear iterations.
     pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, Real, u32) {
         self.iterations += 1;
         self.age += 1;

@@ -31,7 +31,7 @@ use cloth_core::step::BuildError;
 /// | `ArapTriangle` | two: `σ − 1` | `u (v·bᵢ)` | σ = 0: any u at right angles to the other |
 /// | `ArapTetrahedron` | three: `σ − 1` | `u (v·bᵢ)` | the same |
 /// | `AreaTriangle` | `A − A₀` | `½ n × oᵢ`, below | A = 0: any n across the line |
-/// | `VolumeTetrahedron` | `V − V₀` | `(x₂ − x₀) × (x₃ − x₀)/6` for x₁; by turns | |
+/// | `VolumeTetrahedron` | `V − V₀` | `(x₂ − x₀) × (x₃ − x₀)/6` for x₁, likewise for x₂ and x₃ with 1, 2, 3 turned; minus their sum for x₀ | |
 /// | `StrainLimitSpring`, `StrainLimitTriangle` | `l`, `σ` minus the nearest allowed | as without limits; inside 0 | |
 ///
 /// **No 0/0.** No element divides by C, or by anything that vanishes at rest: C = 0 is a point like any other. The
@@ -70,16 +70,20 @@ use cloth_core::step::BuildError;
 /// **Quadratic hinge.** With θ₀ and θ₁ the rest angles of the first triangle at x₀ and x₁, θ₂ and θ₃ those of the
 /// second, `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −cot θ₀ − cot θ₁, −cot θ₂ − cot θ₃)`: constant, so nothing vanishes.
 ///
-/// **Dihedral hinge** (of its law `Angle`). With `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e` and
-/// `tᵢ = (xᵢ − x₀)·e/‖e‖²`,
+/// **Dihedral hinge** (with [`HingeLaw::Angle`](cloth_core::energy::HingeLaw)). With `e = x₁ − x₀`,
+/// `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e` and `tᵢ = (xᵢ − x₀)·e/‖e‖²`,
 ///
 /// ```text
 /// θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)         ∂θ/∂xᵢ = −‖e‖ nᵢ/‖nᵢ‖²   for the tips, i = 2, 3
 /// ∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃            ∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃
 /// ```
 ///
-/// Flat, θ = 0, is regular. (`arccos(n₂·n₃)` of unit normals, as in Müller et al. 2007, has there the slope
-/// `−1/√(1 − (n₂·n₃)²)`, which is infinite.) `θ − θ₀` is wrapped into [−π, π].
+/// Why: let the corners 0, 1, 2 of a triangle move by u₀, u₁, u₂ along its normal. The point of the edge nearest to the
+/// tip moves by (1 − t₂) u₀ + t₂ u₁, so the tip rises by u₂ − (1 − t₂) u₀ − t₂ u₁ above the edge. Over its height,
+/// ‖n₂‖/‖e‖, that is the angle by which the triangle turns, and θ falls by it. (The second derivatives are with
+/// [`DihedralHinge`](cloth_core::energy::DihedralHinge).) Flat, θ = 0, is regular. (`arccos(n₂·n₃)` of unit normals, as
+/// in Müller et al. 2007, has there the slope `−1/√(1 − (n₂·n₃)²)`, which is infinite.) `θ − θ₀` is wrapped into [−π,
+/// π].
 #[derive(Debug)]
 pub struct XpbdBuilder {
     motion: Motion,
