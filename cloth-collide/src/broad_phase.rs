@@ -17,14 +17,10 @@
 //! inside whose box its own lies. So each pair of primitives is met in one pair of triangles only, and one search
 //! serves both kinds. Pairs whose boxes overlap although a plane separates them are then left out.
 //!
-//! Memory: 48 bytes a box and 8 a pair of boxes; besides, 152 bytes a box for the tree (parry's `Bvh`), or 16 bytes for
-//! each cell that a box is in (32 in the hash, which sorts into a second list), one to eight for a box of typical size.
-//!
 //! The tree is refitted in every search, in place, and built anew only for another number of boxes.
 //! [`potential`](crate::potential) has boxes around patches of at most 32 triangles instead, moved outwards by a mean
 //! edge or more and h/2, and searches among them when a patch has gone so far. A component of the cloth is halved until
-//! its patches are that small, so they have at least 16 triangles if the component has. The box of a patch and its
-//! place in the tree take 200 bytes.
+//! its patches are that small, so they have at least 16 triangles if the component has.
 
 mod candidates;
 mod cells;

@@ -31,9 +31,10 @@ use cloth_core::math::Real;
 ///
 /// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed
 /// of approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction
-/// goes along. So a step covers most of what is left; and as the hull is off the cubic by O(τ²) over a time τ, a simple
-/// contact is approached quadratically. An inclusion test (Wang et al. 2021) halves boxes in time and in both
-/// parameters of the polygon; here, whatever its parameters, a polygon on one side of a plane is done with at once.
+/// goes along. So a step covers most of what is left. How much remains: let τ be the time to the contact. The hull lies
+/// below the cubic by O(τ²), so the step ends O(τ²) before the contact, and a simple contact is approached
+/// quadratically. An inclusion test (Wang et al. 2021) halves boxes in time and in both parameters of the polygon;
+/// here, whatever its parameters, a polygon on one side of a plane is done with at once.
 ///
 /// Only the sign of the products n · x_k proves anything, not the way in which n was found. So everything about
 /// rounding is in a few lines, and its allowance is subtracted (`src/ccd/reach.rs` has the proof). Where `f64` cannot
@@ -86,9 +87,11 @@ use cloth_core::math::Real;
 /// # Limits
 ///
 /// - A pass at a distance below the above is reported as a contact.
-/// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction n turns: over a turn by θ the
-///   bound on the speed along n is too large by a fraction of the order of θ², which costs d θ² of the distance, and
-///   that has to stay below distance − d.
+/// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction n turns. Let a step turn it
+///   by θ. The bound on |n| by its coefficients is then too large by a fraction of the order of θ², so d |n| is
+///   overestimated by d θ². The step is certified only while that stays below what there is to spare, the distance less
+///   d. So θ is at most of the order of √((distance − d)/d), and the step, in which n turns at a steady rate, shrinks
+///   with it.
 /// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the
 ///   time is early by more than the slack asks for. Without slack and separation this has not been seen.
 /// - A contact during the motion is found. A vertex that is on the wrong side of a sheet at the start, without touching

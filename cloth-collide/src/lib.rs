@@ -7,16 +7,23 @@
 //! contact on a path, and the law of pressure. (φ is this distance on all
 //! pages; ψ is the energy of contact.)
 //!
-//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Of n² of them a *broad phase* leaves
-//! the few whose boxes overlap, and of those the ones that no plane separates ([`ClothCandidates`]). Four more stages
-//! follow until the end of a step:
+//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. A step takes them through five
+//! stages:
+//!
+//! 1. *Broad phase:* of n² pairs it leaves the few whose boxes overlap, and of those the ones that no plane separates
+//!    ([`ClothCandidates`]).
+//! 2. *Detection:* which of these can touch in the step, and their nearest points.
+//! 3. *Potential, or constraint:* what presses them apart within the solve.
+//! 4. *Filter:* how far the displacement that the solve has found is safe.
+//! 5. *Last resort:* what becomes of a displacement that is not.
 //!
 #![doc = include_str!("../doc/stages.svg")]
 //!
-//! **Measuring** comes last. [`SeparationProbe`] tells how many pairs of triangles meet apart from the vertices and
-//! edges that they share, decided exactly, and the smallest distance. Two triangles that do not meet are nearest either
-//! at a vertex of one and some point of the other, or at a point of an edge of each, so it is the smallest of 6
-//! vertex–triangle and 9 edge–edge distances, d(A, B) = min ( min |v − T|, min |e − f| ).
+//! **Measuring** is no stage of a step, but tells afterwards what became of it. [`SeparationProbe`] counts the pairs of
+//! triangles that meet apart from the vertices and edges that they share, decided exactly, and gives the smallest
+//! distance. Two triangles that do not meet are nearest either at a vertex of one and some point of the other, or at a
+//! point of an edge of each, so it is the smallest of 6 vertex–triangle and 9 edge–edge distances, d(A, B) = min ( min
+//! |v − T|, min |e − f| ).
 //!
 //! # Between two moments
 //!

@@ -30,11 +30,13 @@
 //!
 //! Before a body with a concave edge a vertex can have two nearest points, one on either side of the edge, and the
 //! gradient of ψ(φ) jumps where one takes over from the other. That is just where cloth comes to rest, and no iteration
-//! on E would end. So for bodies E is Σ ψ(d) over the triangles of the surface within h, less the same over its edges,
-//! plus the same over its vertices ([`SignedDistance::each_part`]). Where the surface is flat or convex all but one of
-//! the terms cancel, and ψ(φ) is left: above an edge, 2 ψ(φ) of the triangles beside it less ψ(φ) of the edge itself.
-//! In a concave edge both sides press, each with its own ψ, and the gradient is continuous
-//! (`obstacle/closed_mesh/concave_edges.rs`). Methods that project take φ, and go from side to side within a sweep.
+//! on E would end. So for a [`ClosedMesh`](crate::obstacle::ClosedMesh) E is Σ ψ(d) over the triangles of the surface
+//! within h, less the same over its edges, plus the same over its vertices ([`SignedDistance::each_part`]). Where the
+//! surface is flat or convex all but one of the terms cancel, and ψ(φ) is left: above an edge, 2 ψ(φ) of the triangles
+//! beside it less ψ(φ) of the edge itself. In a concave edge both sides press, each with its own ψ, and the gradient is
+//! continuous (`obstacle/closed_mesh/concave_edges.rs`). Shapes with a formula, which are convex, and a
+//! [`SampledDistance`](crate::obstacle::SampledDistance), whose φ is smooth, have ψ(φ) itself. Methods that project
+//! take φ of every shape, and go from side to side within a sweep.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ, for two edges times the [`Mollifier`] m. Without A ψ′ ∂²d, even Newton's iteration converges no faster than
@@ -66,20 +68,46 @@
 //! same, and with [`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent) and the decrement that is left
 //! ([`residual`](cloth_core::step::StepReport::residual)) in the report.
 //!
-//! A step calls `begin`, in each iteration `add_gradient`, `linearize` and `limit` or `limit_each`, and `end`. `begin`
-//! checks that nothing crosses at the start, unless that is where the last step has ended, and moves the bodies that
-//! the cloth pushes. It chooses the pairs, freezes friction, and moves the start of the iteration as far towards the
-//! method's own start as the path is safe; where pins or bodies move, or cloth begins inside a body, a substep of the
-//! constraints finds the start instead. The minimum that the iteration finds depends on its start only if there are
-//! several. `end` stores the tangential displacement of sticking contacts, and adds up work, forces and the energy that
-//! is stored. A method that minimises sees bodies where the step ends, the substeps of one that projects see them on
-//! their path.
+//! A step calls `begin`, in each iteration `add_gradient`, `linearize` and `limit` or `limit_each`, and `end`:
+//!
+//! - `begin` checks that nothing crosses at the start, unless that is where the last step has ended, and moves the
+//!   bodies that the cloth pushes. It finds the pairs, freezes friction, and moves the start of the iteration as far
+//!   towards the method's own start as the path is safe. The minimum that the iteration finds depends on its start only
+//!   if there are several.
+//! - `end` stores the tangential displacement of sticking contacts, and adds up work, forces and the energy that is
+//!   stored.
+//!
+//! A method that minimises sees bodies where the step ends, and yet misses none that goes through the cloth on the way.
+//! Where pins or bodies move, or cloth begins inside a body, `begin` takes the whole step as one substep of the
+//! constraints (below), and these see bodies on their path: the cloth goes from the start of the step to the method's
+//! own start, 10 sweeps press it out of the way, and all pairs and all vertices before bodies are tested over the whole
+//! path, with the last resort if need be. So the cloth is on the same side of each body as before when the iteration
+//! begins. All iterates are reached from there by tested paths, before bodies that stand still where the step ends. In
+//! that substep a body moves rigidly for its signed distance, and the vertices of its
+//! [surface](PotentialBuilder::surface) go straight: with the angular velocity ω (1/s) one at a distance r from the
+//! axis is up to r (1 − cos(ω Δt/2)) inside of its arc.
 //!
 //! Friction has the normal forces λ and the directions of the start of the step (`friction`): a cloth that lands has
 //! none in the step in which it does. Its energy is μ λ f(u) of the tangential displacement u, with f = u²/(2ε) below
 //! ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous. (Li et al. take a cubic, whose
 //! f″ is continuous too.) u is counted from where the contact began to stick: a step begins with the u at which the
 //! last one ended, cut to ε if it was longer.
+//!
+//! # Words
+//!
+//! | word | what it means here |
+//! |---|---|
+//! | body | anything solid that the cloth meets |
+//! | obstacle | a body with a signed distance; a *surface* is the triangles of a body |
+//! | law | ψ with its derivatives ([`PenaltyLaw`]) |
+//! | range | the distance at which a pair begins to push: where ψ begins, or d₀ of a constraint |
+//! | row | one term k J Jᵀ of a Hessian, J = c_k n on up to four vertices ([`ContactRow`](cloth_core::contact::ContactRow)) |
+//! | to choose pairs | to list those that can be in range on a path: what is evaluated on it |
+//! | to cut, shorten or truncate a path | to let a vertex go only a fraction of it |
+//! | to give way, to give in | to move by the inverse mass under a push; to be pressed nearer, of a compliant contact |
+//! | to harden | to set the compliance of a constraint to 0 |
+//! | reach | how far something has an effect: of detection, h and a margin; of patches, the path until the next search; of friction, ε |
+//! | ledger | the impulses on vertices and bodies that a step has added up, where forces are recorded |
 //!
 //! # From the naive loop to this one
 //!
@@ -90,10 +118,11 @@
 //!
 //! 1. Patches of triangles that are near each other are found by a broad phase, and stay known while no patch has gone
 //!    farther than that search allowed for (`patches`).
-//! 2. Pairs between two such patches are found once and sorted by their *excess gap*, the distance d less the range at
-//!    which the pair begins to push (h; of edges h/2; the distance at rest where that is less). As long as the bound on
-//!    the relative motion of the patches is below the margin of that search, the list is complete, and those whose
-//!    excess gap is more than the bound are not evaluated.
+//! 2. Each pair of primitives has a *range* at which it begins to push: h, of edges h/2, or the distance at rest where
+//!    that is less. The distance d less the range is its *excess gap*. Between two near patches all pairs are found
+//!    whose excess gap is below a margin, and sorted by it. How far the patches have moved against each other since
+//!    then is bounded. While that bound is below the margin, the list is complete, and only the pairs at its beginning,
+//!    with an excess gap below the bound, are evaluated.
 //! 3. Of the rest, a plane with a known normal decides for most that they are out of range (`near_pairs`,
 //!    `pair_constraint`).
 //! 4. What is left has its distance computed, and is a term of the sum.
@@ -119,19 +148,23 @@
 //!   body flat: at κ = 10⁶ Pa/m, 0.2 kg/m² and 1/60 s less than a thousandth, so what hits does not bounce. With a
 //!   [restitution](PotentialBuilder::restitution) e an impact at the speed u takes (1 − e²) u²/(2 K), K = Σ c_k²/m_k
 //!   (`rebound`). Friction only takes, but for what its springs hold below ε.
-//! - *In the last resort,* pushes keep momentum, impact zones both momenta; a vertex that stays where it was keeps
-//!   none.
+//! - *In the last resort,* pushes keep momentum. Impact zones keep momentum and angular momentum as well, except a zone
+//!   with a prescribed vertex or one of a body's surface, which moves as these do, and one that is moved out of a body.
+//!   A vertex that stays where it was keeps none.
 //!
 //! # For methods that project positions
 //!
 //! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ c_k x_k ≥ d₀
 //! with d₀ = d − ψ′/ψ″, which is h down to h/2, the compliance 1/(A ψ″), a multiplier λ ≥ 0 (kg m; λ/Δt² is the force),
-//! and friction within μ λ that remembers where it began to stick. Here λ is that of the sweep, not of the substep
-//! before. The constraints of what can touch, by bounds on the relative motion of patches of the cloth, are found at
-//! the beginning of a substep. They come last in each sweep. At the end every pair is tested. Pairs that have come too
-//! near get up to three rounds of five sweeps without compliance. After that their vertices go half as far, in up to
-//! three rounds, and stay where they were in up to six more. What is not safe even then, or has a path too long to be
-//! tested, is left to the last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices that stay).
+//! and friction within μ λ that remembers where it began to stick. Below 0.05 h the force stays that at 0.05 h. Here λ
+//! is that of the sweep, not of the substep before. The constraints of what can touch, by bounds on the relative motion
+//! of patches of the cloth, are found at the beginning of a substep. They come last in each sweep. At the end every
+//! pair is tested:
+//!
+//! - Pairs that have come too near get up to three rounds of five sweeps without compliance.
+//! - After that their vertices go half as far, in up to three rounds, and stay where they were in up to six more.
+//! - What is not safe even then, or has a path too long to be tested, is left to the last resort (`last_resort`: pairs
+//!   pushed apart one by one, impact zones, vertices that stay).
 //!
 //! # Bodies
 //!
@@ -169,26 +202,20 @@
 //! out, and nothing crosses there, contact is what it was ([`PotentialContacts::prescribed_inside`]). Prescribed parts
 //! of the cloth that cross each other are an error.
 //!
-//! # Pinched cloth
+//! # Which step for which speed
 //!
-//! Cloth between two bodies that close on it has no feasible path, none that keeps the guarantee. That is an error,
-//! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible), and ends the step where it began; or,
-//! with [`PotentialBuilder::pinched_cloth_passes`], the vertices that have no feasible path pass through one of the
-//! bodies, with their neighbours: through that of the highest number among those that block it. Cloth that crosses a
-//! body at the start passes through it in the same way while a [`StepUntangler`](crate::untangle::StepUntangler) pulls
-//! it out. Everything else is kept apart as before. Once no triangle of the cloth crosses that body any more and none
-//! of these vertices is inside, contact with it is what it was. [`PotentialContacts::pinched`] counts them. Which of
-//! the bodies the cloth should obey no law says; where that matters, number them, or end the motion of the body before
-//! it closes on the cloth.
+//! Every step is safe, whatever its length Δt. What one that is too long costs differs. Let u (m/s) be the speed at
+//! which two things meet, relative to the mean motion of the cloth, and l (m) the mean edge:
 //!
-//! # Bodies that the cloth pushes
+//! | method | what bounds the step | what tells |
+//! |---|---|---|
+//! | those that minimise | no stability. A path is followed by 10 h an iteration, so it takes u Δt/(10 h) of them at least: 17 for 10 m/s, 1/60 s and 1 mm. Friction is that of the step before. | `Outcome::BudgetSpent` and the residual |
+//! | XPBD, PBD, by substeps | u Δt < l. Normals and nearest points are those of the start of the substep. What slides farther is over other triangles, whose pairs are only tested, and repaired at the end. From 30 l on nothing but the last resort is left. | `violated`, `shortened` and `zones` of [`ConstraintReport`] |
+//! | explicit, by substeps | its own stable step, which is of the order of l over the speed of sound in the cloth. κ does not shorten it: contact is a constraint with a compliance, so implicit. | the same |
+//! | with bodies that the cloth pushes | Δt < 2/Ω by [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency); a method that minimises, a push of less than h | [`PotentialContacts::largest_push`] |
+//! | with restitution | an impact of what lies is g Δt² > h/1000 (`rebound`) | – |
 //!
-//! A body with a mass and an inertia ([`PotentialBuilder::free`]) moves on in each (sub)step as its momentum says, and
-//! takes up the impulses of contact at the end: momentum is kept, except where the last resort moves the cloth without
-//! an impulse on the body. Prescribed vertices and other bodies do not give way, so they stop it before the step,
-//! inelastically (`stops`): at h/2 from prescribed cloth, at h from bodies. Where cloth between it and something else
-//! has no safe path even so, the body halts for the step, and loses its momentum. Steps have to resolve the frequency
-//! of the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
+//! For accuracy at rest ρ g/κ < h/2 (see [`stiffness`](PotentialBuilder::stiffness)), at any step.
 //!
 //! # Add it to a method
 //!
@@ -237,11 +264,29 @@
 //! [`MOST_STEPS`](crate::ContinuousTest::MOST_STEPS) steps, where a bound does not tell. A round of the last resort
 //! searches the whole cloth.
 //!
-//! Timed: `cargo bench --bench response` holds a step of a folded sheet in which nothing comes nearer (`apart`:
-//! detection alone) beside one that presses it (`pressed`), `cargo bench --bench steps -- "in flight"` a whole step of
-//! XPBD with and without detection, and `cargo bench --bench broad_phase` one search of all candidates.
 //! `cloth-bench/doc/results.md` has the time of a step of each method, without contact and with, and how much of it
-//! detection takes: contact also takes more iterations (below).
+//! detection takes: contact also takes more iterations (see the limits).
+//!
+//! # Pinched cloth
+//!
+//! Cloth between two bodies that close on it has no feasible path, none that keeps the guarantee. That is an error,
+//! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible), and ends the step where it began; or,
+//! with [`PotentialBuilder::pinched_cloth_passes`], the vertices that have no feasible path pass through one of the
+//! bodies, with their neighbours: through that of the highest number among those that block it. Cloth that crosses a
+//! body at the start passes through it in the same way while a [`StepUntangler`](crate::untangle::StepUntangler) pulls
+//! it out. Everything else is kept apart as before. Once no triangle of the cloth crosses that body any more and none
+//! of these vertices is inside, contact with it is what it was. [`PotentialContacts::pinched`] counts them. Which of
+//! the bodies the cloth should obey no law says; where that matters, number them, or end the motion of the body before
+//! it closes on the cloth.
+//!
+//! # Bodies that the cloth pushes
+//!
+//! A body with a mass and an inertia ([`PotentialBuilder::free`]) moves on in each (sub)step as its momentum says, and
+//! takes up the impulses of contact at the end: momentum is kept, except where the last resort moves the cloth without
+//! an impulse on the body. Prescribed vertices and other bodies do not give way, so they stop it before the step,
+//! inelastically (`stops`): at h/2 from prescribed cloth, at h from bodies. Where cloth between it and something else
+//! has no safe path even so, the body halts for the step, and loses its momentum. Steps have to resolve the frequency
+//! of the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
 //!
 //! # Limits
 //!

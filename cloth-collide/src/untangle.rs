@@ -37,10 +37,13 @@
 //! had to: [`project_back`] takes it back towards where it was as far as contact with a thickness lets it.
 //!
 //! A simulation need not wait for that. [`StepUntangler`] takes a few iterations before each step, and lets contact
-//! leave out the pairs that still cross, while all others keep their guarantee. It also pulls the cloth out of bodies:
-//! these are meshes that do not move. A hand through a sleeve divides the surface of the arm, the smaller part has gone
-//! wrong, and the cloth that it goes through is pushed over it, with what is around. A part of the cloth that is inside
-//! of a closed body is never the right one. What such a push has moved loses its velocity against it.
+//! leave out the pairs that still cross, while all others keep their guarantee.
+//!
+//! It also pulls the cloth out of bodies: solids such as an arm, whose surfaces are meshes that do not move in this.
+//! Where a sleeve has a hand through it, the contour goes round the arm on the surface of the body and divides that in
+//! two. The smaller part, the hand, is taken to be on the wrong side, and the cloth along the contour is pushed over
+//! it, with what is around. Cloth inside of a closed body is always wrong, whatever its size. What such a push has
+//! moved loses its velocity against it.
 //!
 //! # Where shortening stalls
 //!

@@ -17,8 +17,20 @@
 //! F(v₀) − D (v − v₀),   D = Σ ⅓ ½ ρ A (|u·n| (C_D + C_L |cos θ|) I + (C_D |u·n| + C_L |u| sin² θ) n nᵀ)
 //!
 //! with v₀ at its start and D (kg/s) of each vertex the sum over its triangles ([`Air::linearize`]). D is not the whole
-//! derivative: the parts that are not symmetric, and what couples the corners, are left at the start, and what is kept
-//! is positive semidefinite and not less than what the whole takes from a motion. So
+//! derivative: what couples n to the directions along the surface, and what couples the corners, is left at the start.
+//! What is kept is positive semidefinite, since all its terms are. Take the axes n, t along the part of u in the
+//! surface, and b across both. There D is diagonal, with, in units of `½ ρ A |u|` for the whole triangle,
+//!
+//! n: `2 C_D cos θ + C_L`,  t and b: `C_D cos θ + C_L cos² θ`.
+//!
+//! The diagonal of −∂F/∂v has `2 C_D cos θ + C_L sin⁴ θ` for n, `C_D cos θ − C_L cos⁴ θ` for t and `C_D cos θ − C_L
+//! cos² θ` for b. So from a motion along one of the axes D takes no less than the whole. (From one between n and t it
+//! may take less: of drag alone, by up to `½ C_D sin θ`.) What a free triangle makes of it: with its mass m, u becomes
+//! u − δ, where `(m/h + D) δ = F`. Without m/h, δ would be
+//!
+//! n: `u_n (C_D cos θ + C_L sin² θ)/(2 C_D cos θ + C_L)`,  t: `u_t (C_D − C_L cos θ)/(C_D + C_L cos θ)`,
+//!
+//! less than u in both, and not negative along t where C_L ≤ C_D. With m/h it is less. So
 //!
 //! - cloth that is held feels all of the pressure, whatever the step: v = v₀ = 0, and nothing of F is lost;
 //! - cloth that is free comes nearer to the velocity of the air, and never gets beyond it: the part of u along n, and

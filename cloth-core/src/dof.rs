@@ -47,10 +47,8 @@
 //! the membrane as it is.
 //!
 //! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16. Midpoints
-//! stay below 1 on every mesh, because triangles that are joined at one point can bend where a sheet could not. On a
-//! sphere, which is not developable, a stiff sheet stands off whatever the mesh: that is the cloth more than locking.
-//! The method does not matter as long as it solves the cloth it is given. PBD, whose stiffness is not that of the
-//! cloth, reaches another fold at any number of iterations.
+//! stay below 1 on every mesh, because triangles that are joined at one point can bend where a sheet could not. The
+//! method does not matter as long as it solves the cloth it is given.
 //!
 //! At what size of edges does a mesh lock? A sheet that is bent to a cylinder of radius R, with all of its vertices on
 //! that surface, stores in its springs as much as in its hinges at the edge length `l* = (702 D R²/Y)^¼`. The reason:

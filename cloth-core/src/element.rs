@@ -164,6 +164,11 @@ pub enum Convexity {
     /// SIGGRAPH 2024, <https://arxiv.org/abs/2406.05928>).
     Abs,
     /// Drop the second derivative of the constraint: `Σ k ∂C ∂Cᵀ` alone.
+    ///
+    /// An energy that is no sum of squares leaves out what corresponds to it. Of
+    /// [`CubicShell`](crate::energy::CubicShell) that is the cubic part, where the rest angle is at most 90°. Beyond
+    /// that (cos θ₀ < 0) the quadratic part alone would be negative, and the Hessian is taken whole, without its
+    /// negative eigenvalues.
     GaussNewton,
 }
 
@@ -208,11 +213,11 @@ pub trait Energy<const N: usize>: Element<N> {
 
     /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], for a *mixed* method.
     ///
-    /// Such a method has the forces as unknowns beside the positions. In an iteration that goes from `from` to `to`
-    /// (m) they do not follow the constraint, but its linearisation: the force is `k (C(from) + ∂C(from)·(to − from))`.
-    /// The curvature `Σ k C ∂²C` of the Hessian is taken with that force, in the place of the one at `x`
-    /// ([`Constraint::mixed_curvature`]). The quasi-Newton method of `cloth-massspring` begins every step with it. An
-    /// energy that predicts no force gives its Hessian at `x`.
+    /// Such a method has the forces as unknowns beside the positions. In an iteration from `from` to `to` (m) they
+    /// follow the linearised constraint: the force that it predicts is `k (C(from) + ∂C(from)·(to − from))`, and not `k
+    /// C(to)`. The Hessian has the curvature `Σ k C ∂²C`. Here its factor `k C` is the predicted force
+    /// ([`Constraint::mixed_curvature`] has the reason), and all else is taken at `x`. The quasi-Newton method of
+    /// `cloth-massspring` begins every step with it. An energy that predicts no force gives its Hessian at `x`.
     #[inline]
     fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         let _ = (from, to);

@@ -49,6 +49,19 @@
 //!   apart, is `3κ²` for every φ. So `½ D κ²` per area asks for `k = D/3`.
 //! - On a sphere `κ⊥ = κ∥ = κ`, and `½ k (2κ)²` per area is a third of `½ D (2κ)²`.
 //!
+//! The alternating grid, of cells of the size a, has vertices with eight neighbours and between them such with four.
+//! Let the latter be raised by η a² over the surface of curvatures `κ_x`, `κ_y` and twist `κ_xy`. Per cell there are
+//! three hinges of equal weight, about an edge along x, one along y, and a diagonal, every other of which runs the
+//! other way. Their `‖z‖/a²` are `|κ_y + 2η|`, `|κ_x + 2η|` and `|2κ_xy ± 4η|`, so in the mean a cell has, in units of
+//! `½ D a²`,
+//!
+//! `(κ_x + 2η)² + (κ_y + 2η)² + 4κ_xy² + 16η² = κ_x² + κ_y² + 4κ_xy² + 4η (κ_x + κ_y) + 24η²`.
+//!
+//! - With all vertices on the surface η is 0. On a cylinder along the grid only `κ_x = κ` is left: 1. On one at 45° all
+//!   three are κ/2: 3/2. On a sphere it is `2κ²`, half of `(2κ)²`.
+//! - In equilibrium `η = −(κ_x + κ_y)/12`, which takes away `(κ_x + κ_y)²/6`: 5/6, 4/3, and 4/3 of 4.
+//! - A strip free to curve across has the `κ_y` for which that is least, `κ_x/5`: 4/5.
+//!
 //! All lines were derived so, hinge by hinge, and measured in the bench (laws `bending-factor`, `elastica`,
 //! `lateral-buckling`; study `bending`).
 

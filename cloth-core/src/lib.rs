@@ -94,7 +94,8 @@
 //!
 //! # When not to use it
 //!
-//! For a solid, or a sheet whose warp and weft differ; and an element outside of its range:
+//! For a solid whose law is another than that of [`cloth::Solid`], for a sheet whose warp and weft differ, and for an
+//! element outside of its range:
 //!
 //! | element | take it for | not where | figure |
 //! |---|---|---|---|
@@ -122,8 +123,9 @@
 //!
 //! # Features
 //!
-//! `parallel` (default): sweeps, energies, matrices and multigrid on rayon's threads, with the same bits as without.
-//! `cholesky`: the factorisations of [`method::linear`], and `dof`, over faer.
+//! `parallel` (default): sweeps, energies, matrices and multigrid on rayon's threads, with the same bits as without; a
+//! multigrid cycle with contacts between vertices smooths on one thread. `cholesky`: the factorisations of
+//! [`method::linear`], and `dof`, over faer.
 //!
 //! # The files, in reading order
 

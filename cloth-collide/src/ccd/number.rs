@@ -41,6 +41,7 @@ pub(super) struct Double {
 }
 
 impl Number for Double {
+    // 16 roundings, as of an `f64` (`reach`), of 4 ε² = 16 u² each: twice what one can be.
     const ROUNDING: Real = 16.0 * Real::EPSILON * Real::EPSILON * 4.0;
     fn new(high: Real, low: Real) -> Self {
         Self { high, low }

@@ -147,8 +147,8 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Coefficient of restitution e (dimensionless, 0 to 1) of all contacts: what approaches something with a speed u
     /// leaves it with e u. Of methods that project positions alone; no body can be free beside it. Unless set,
-    /// contact gives back what it has stored, less what the method damps. Where g Δt² of a substep is more than h/1000,
-    /// the gap at rest is that of 1/(1 + e) of the weight.
+    /// contact gives back what it has stored, less what the method damps. Where g Δt² of a substep is more than (1 + e)
+    /// h/1000, what lies still rebounds in each, and its gap is that of 1/(1 + e) of the weight.
     #[must_use]
     pub fn restitution(mut self, restitution: Real) -> Self {
         self.restitution = Some(restitution);

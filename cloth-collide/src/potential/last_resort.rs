@@ -1,7 +1,8 @@
 //! The last resort, for a motion that the sweeps have found and that is not safe. It has three stages, and tests
 //! everything again in each round of each:
 //!
-//! 1. *Pushes*, up to 40 rounds. Every pair that comes too near is pushed apart, one after the other.
+//! 1. *Pushes*, up to 40 rounds. Every pair that comes nearer than a tenth of its distance at the start, or of the
+//!    thickness if that is less, is pushed to half of it, one after the other.
 //! 2. *Impact zones*, up to 20 rounds. The vertices of pairs that still come too near become one rigid body, with their
 //!    momentum and angular momentum, since inside a rigid body nothing can meet; zones that meet are joined. Vertices
 //!    that get into a body are moved out of it, with their zones. A zone turns by at most 1 rad on its path; where its
@@ -13,6 +14,12 @@
 //! searches the whole cloth. A push goes on from layer to layer by one a round, since the next pair is a hit only in
 //! the detection after it: 40 rounds go through a stack of about as many layers. Zones grow by the pairs that their
 //! rigid motion brings too near. Where they still do after 20 rounds, truncation takes over, which is sure to end.
+//!
+//! Why a push ends at half. Let d be the distance at the start. A pair that was pushed to d/10, where the test begins,
+//! would be a hit again as soon as a neighbour is pushed towards it by anything. One that was pushed to d would have
+//! its gap as before, so the second layer would move as far as the first, and so on through the stack, with velocities
+//! that change by as much. At d/2 neighbours may take back 0.4 d before the pair is a hit again, and each gap has taken
+//! up d/2 of the motion. Any fraction in between would be safe, since everything is tested again.
 //!
 //! Bridson et al. 2002 (see the [chapter](super#references)) take three stages after each step: repulsions, impulses,
 //! rigid impact zones (Provot 1997, see the [crate](crate#references)). Here the potential in the solve takes the place
@@ -67,7 +74,7 @@ struct Hit {
     pair: Pair,
     /// When (0..=1).
     time: Real,
-    /// What it pushes to (m).
+    /// What it pushes to (m): half of the distance at the start, or of the thickness; the module has why.
     distance: Real,
 }
 

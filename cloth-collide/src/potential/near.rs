@@ -375,12 +375,16 @@ impl Near {
         area.min(corners.iter().sum::<Real>() / 3.0)
     }
 
-    /// The distance (m) from which on a pair pushes: for two primitives of one component no farther than they are apart
-    /// at rest, so that nothing is pushed away from its rest.
+    /// The range (m) of a pair: the distance from which on it pushes. With the thickness h between the two it is
     ///
-    /// Cloth before cloth and before a body is pressed by its own vertices, which know the area that they stand for.
-    /// What else there is, edges and the vertices of the body, pushes from half of the thickness on: nothing as long as
-    /// the vertices do what is needed.
+    /// - h for a vertex of the cloth before other cloth or before a body: the vertices carry the pressure, as they know
+    ///   the area that they stand for;
+    /// - h/2 for two edges, and for a vertex of a body before the cloth: they push only where the vertices do not keep
+    ///   the two apart;
+    /// - h/2 before the surface of a body whose signed distance is not exact: vertices are pushed by that distance, and
+    ///   the triangles keep them out where it is wrong;
+    /// - for two primitives of one component no more than their distance at rest, so that nothing is pushed away from
+    ///   its rest.
     pub(super) fn range_of(&self, Pair { kind, vertices }: Pair) -> Real {
         let [a, .., d] = vertices;
         let fraction = match kind {

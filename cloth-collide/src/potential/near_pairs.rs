@@ -98,8 +98,8 @@ impl NearPairs {
         }
     }
 
-    /// Makes sure that the pairs are those of the straight path between two positions (m). Whether vertices of bodies
-    /// `stay` on all paths from now on, nothing needs to be asked of them.
+    /// Makes sure that the pairs are those of the straight path between two positions (m). If `stay` is true, vertices
+    /// of bodies do not move on any path from now on, and nothing needs to be asked of them.
     pub(super) fn prepare(
         &mut self,
         near: &Near,

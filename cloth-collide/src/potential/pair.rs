@@ -34,9 +34,9 @@ use cloth_core::math::{Blocks, Real, Vec3, make_semidefinite};
 /// | projected: [`Convexity::Clamp`], [`Convexity::Abs`] | no negative eigenvalue, as in [Li et al. 2020](super#references); quadratic only where none was negative | the eigenvalues of 9 × 9 numbers for each pair (12 less 3 translations) |
 /// | dropped: [`Convexity::GaussNewton`] | A m ψ″ ∂d ∂dᵀ: rank one, and no eigenvalues to find | linear convergence, slower the larger what is dropped is beside the rest of the Hessian |
 ///
-/// Methods get the last one in a step, as a [`ContactRow`](cloth_core::contact::ContactRow): 80 bytes a pair and 56
-/// operations for a product, where the 144 numbers of the others are 1152 bytes and 288 operations. Between a vertex
-/// and a corner clamping leaves the same matrix. Of two nearly parallel edges the derivatives of m are dropped too.
+/// Methods get the last one in a step, as a [`ContactRow`](cloth_core::contact::ContactRow): a normal, four weights and
+/// a stiffness a pair in place of 144 numbers. Between a vertex and a corner clamping leaves the same matrix. Of two
+/// nearly parallel edges the derivatives of m are dropped too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairContact {
     /// What the two are.

@@ -202,7 +202,13 @@ impl PairConstraint {
         self.is_violated = !is_safe;
     }
 
-    /// Energy (J) at `x` (m).
+    /// Energy A ψ(d) (J) at `x` (m), with the true distance d there.
+    ///
+    /// What has pushed is the tangent of the law at the start of the substep ([`Tangent`]): down to 0.05 h its force is
+    /// that of this energy but for the square of what d has changed by. Below, the force stays that at 0.05 h, and is
+    /// less than −A ψ′(d). So for a pair nearer than that the energy that contact is said to have given
+    /// ([`ContactConstraints::given`](cloth_core::contact::ContactConstraints::given)) is not what its pushes have
+    /// done.
     pub(super) fn energy(&self, x: &[Vec3], near: &Near) -> Real {
         let x = gather(x, self.pair.vertices);
         let law = near.law.with_range(self.thickness);

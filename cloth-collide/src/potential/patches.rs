@@ -50,19 +50,26 @@
 //! Each path is measured before it is used (`detect_for_substep`, before the sweeps and again after them; `choose` and
 //! `holds` of a minimisation). From its start to its end, a distance between p and q changes by no more than
 //!
-//! ‖a′ − R_p a‖ + ‖R_p − R_q‖₂ r_q + e_p + e_q, a = c_p − c_q at its start, a′ at its end,
+//! ‖a′ − R_p a‖ + ‖R_p − R_q‖₂ r_q + e_p + e_q, a = c_p − c_q at its start, a′ at its end.
 //!
-//! with rotations R_p and R_q and the most e_p by which a vertex of p, at x − c from the centre before, leaves R_p (x −
-//! c), and the same of q: the difference d of two points becomes R_p d + (a′ − R_p a) + (R_p − R_q) z and what they
-//! leave, z from the centre of q to its point. It holds for any rotations. A substep is short and has R = 1, which
-//! makes it ‖a′ − a‖ and the largest displacements relative to the centres; a path of a minimisation takes the turns of
-//! the frames, unless they are more than 0.2. That is for the two ends of the path. In between vertices go straight,
-//! while the patches turn: a vertex cuts across the arc, along its chord, and comes nearer by up to the height of that.
-//! `change_for` allows for it. This is the *change* of two patches, and is added up to their *travel* since the
-//! last detection. The sum never falls, and so bounds the relative motion from each moment in between: what has an
-//! excess gap at one need not be asked before the travel has grown by it (`active_from`); two patches need not be asked
-//! before it has grown by the least of these (`left`), which takes one comparison; and nearest points are kept for a
-//! travel of 0.02 h (`known_at`).
+//! Here R_p and R_q are any rotations, and e_p is the most by which a vertex of p leaves R_p: one at x − c from the
+//! centre before is at R_p (x − c) and something of at most e_p from the centre after; e_q is the same of q. The
+//! reason: the difference of a point of p and one of q is d before. After it is R_p d + (a′ − R_p a) + (R_p − R_q) z
+//! and what the two leave, where z goes from the centre of q to its point. So its length has changed by no more than
+//! the lengths of the other terms.
+//!
+//! Which rotations. A substep is short and takes R = 1. That leaves ‖a′ − a‖ and the largest displacements relative to
+//! the centres. A path of a minimisation takes the turns of the frames, unless they are more than 0.2.
+//!
+//! In between the two ends vertices go straight, while the patches turn: a vertex cuts across the arc, along its chord,
+//! and comes nearer by up to the height of that. `change_for` allows for it. The sum of both is the *change* of two
+//! patches, and is added up to their *travel* since the last detection. The travel never falls, and so bounds the
+//! relative motion from each moment in between. It has three uses:
+//!
+//! - a pair of primitives with a known excess gap need not be asked before the travel has grown by that
+//!   (`active_from`);
+//! - two patches need not be asked before it has grown by the least of these (`left`), which takes one comparison;
+//! - nearest points are kept for a travel of 0.02 h (`known_at`).
 //!
 //! Only where the travel does not tell is the expression of the last detection evaluated (`moved`). Travel alone would
 //! do, but takes twice as many detections on a sheet that falls into hanging, and twenty times as many on one that

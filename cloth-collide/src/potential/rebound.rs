@@ -13,10 +13,16 @@
 //! then.
 //!
 //! What lies on something approaches it by g Δt² in a substep. The paper has no rebound below the speed 2 g Δt, which
-//! is an approach by 2 g Δt². Contact does not know g, so here it is below h/1000, which is as much for Δt = 0.23 ms
-//! and h = 1 mm. In longer substeps what lies still rebounds in each: it then has the speed v = e (g Δt − v) = e g
-//! Δt/(1 + e), and the law carries 1/(1 + e) of its weight, the rebound the rest. Below Δt = 0.32 ms its g Δt² is no
-//! impact.
+//! is an approach by 2 g Δt². Contact does not know g, so here there is none where the approach is below h/1000, which
+//! is as much for Δt = 0.23 ms and h = 1 mm.
+//!
+//! - In long substeps what lies still rebounds in each. It begins one with the speed v at which the last rebound has
+//!   left it, so it approaches with u = g Δt − v, and v = e u makes u = g Δt/(1 + e). The law carries 1/(1 + e) of its
+//!   weight, the rebound the rest. This goes on as long as that approach, u Δt = g Δt²/(1 + e), is above h/1000: with h
+//!   = 1 mm in substeps of more than 0.32 √(1 + e) ms.
+//! - In short ones, g Δt² < h/1000 (Δt < 0.32 ms), nothing that lies rebounds, and the law carries all of its weight.
+//! - In between, what lies rebounds in one substep, and in the next, which it begins with the speed of that, its
+//!   approach may be no impact.
 
 use super::forces::Ledger;
 use super::near::Near;

@@ -2,16 +2,17 @@
 //!
 //! These do not give way, so the velocity of the body has to change. Before a (sub)step of Δt, the distance φ of points
 //! of the one from the other is asked for at moments so close that the body goes a quarter of its smallest extent in
-//! between, but at 64 at most: what is faster than that can pass through a thin one unseen. Where φ would fall below
-//! min(d, φ₀), with a distance d to keep and φ₀ at the start, the body gets the impulse λ n (N·s) with
+//! between, but at 64 at most: what is faster than that can pass through a thin one unseen. Let d be the distance to
+//! keep and φ₀ that at the start. Nothing happens while φ stays above 0.98 d or, where φ₀ is below that already, above
+//! φ₀ − 10⁻⁶ d. Where it falls lower, the body gets the impulse λ n (N·s) that brings it back to min(d, φ₀):
 //!
 //! n·(K λ n) = (min(d, φ₀) − φ)/τ, λ ≥ 0, K = 1/m − \[r\]ₓ J⁻¹ \[r\]ₓ
 //!
 //! at the time τ at which that is first seen, all of them together by projected Gauss–Seidel sweeps, and again until
-//! nothing is seen: a perfectly inelastic impact without friction. Each impulse is a projection, in the norm of the
-//! kinetic energy, onto the motions that keep the distance. Rest is one of them where the obstacle is at rest, so the
-//! body gains no energy from it. Source:
-//! Guendelman et al. 2003 (see the [chapter](super#references)).
+//! nothing is seen: a perfectly inelastic impact without friction. What may be missing is so much less below 0.98 d so
+//! that nothing wears off step by step. Each impulse is a projection, in the norm of the kinetic energy, onto the
+//! motions that keep the distance. Rest is one of them where the obstacle is at rest, so the body gains no energy from
+//! it. Source: Guendelman et al. 2003 (see the [chapter](super#references)).
 
 use super::free::{FreeBodies, FreeBody};
 use super::near::Near;

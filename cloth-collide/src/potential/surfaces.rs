@@ -356,8 +356,8 @@ impl PotentialContacts {
         }
     }
 
-    /// The prescribed vertices around which triangles pass through a body, with its number each: obstacles first, then
-    /// animated surfaces.
+    /// The prescribed vertices with a triangle that crosses a body, and passes through it therefore: pairs of a vertex
+    /// and the number of the body. Obstacles have the first numbers, animated surfaces the next.
     #[must_use]
     pub fn prescribed_inside(&self) -> &[[u32; 2]] {
         self.contacts.near.prescribed_inside.pairs()

@@ -12,8 +12,11 @@ pub(super) struct Tangent {
 }
 
 impl Tangent {
-    /// At the distance `d` (m), for the area `area` (m²). `d` is clamped to 0.05 h … 0.75 h: beyond h/2 the law is a
-    /// spring.
+    /// At the distance `d` (m), for the area `area` (m²). `d` is clamped to 0.05 h … 0.75 h.
+    ///
+    /// Above h/2 the law is a spring, so its tangent is the same everywhere there, also beyond h. Below h/2 −ψ′/ψ″ is
+    /// d, so the tangent ends at d₀ = 2 d, and what is almost in touch could no more than double its distance in a
+    /// substep. So below 0.05 h the force stays that at 0.05 h, and ends at d + 0.05 h.
     pub(super) fn of(law: PenaltyLaw, area: Real, d: Real) -> Self {
         let h = law.range();
         let at = d.clamp(LEAST * h, 0.75 * h);
@@ -57,9 +60,14 @@ pub(super) struct ConstraintState {
 }
 
 impl ConstraintState {
-    /// Gives in no more at the `distance` (m) at the start of the substep, instead of coming `now` (m) near. What is
-    /// nearer than `least` (m) comes back with half of the speed with which it came: all at once, the shorter the
-    /// substep, the faster it would leave.
+    /// Makes a constraint hard that has not kept its pair apart: without compliance, with a new range d₀. `distance`
+    /// (m) is that at the start of the substep, `now` (m) what the sweeps have left of it.
+    ///
+    /// - d₀ is the `distance`: the pair does not come nearer than it was.
+    /// - Where that is below `least` (m), d₀ is more, up to `least`: the `distance` and half of what the pair has come
+    ///   nearer by. So it comes back with half of the speed with which it came. Put back to `least` at once, it would
+    ///   leave the faster the shorter the substep is.
+    /// - d₀ is never more than before.
     pub(super) fn harden(&mut self, distance: Real, least: Real, now: Real) {
         let inward = (distance - now).max(0.0);
         let back = (distance + 0.5 * inward).min(least);

@@ -51,8 +51,8 @@ fn a_mass_rests_where_the_closed_forms_say() {
     }
 }
 
-/// With restitution, cloth that lies on a floor lies still. In short substeps the law carries its weight; in longer
-/// ones, in which the weight alone moves it by more than h/1000, 1/(1 + e) of it, and the rebound the rest.
+/// With restitution, cloth that lies on a floor lies still. In short substeps, with g Δt² below h/1000, the law carries
+/// its weight; in longer ones, with g Δt² above (1 + e) h/1000, it carries 1/(1 + e) of it, and the rebound the rest.
 #[test]
 fn what_lies_on_a_floor_lies_still_with_restitution() {
     let (g, h, kappa, mass, e) = (9.81, 1e-3, 1e6, 0.01, 0.5);

@@ -29,9 +29,9 @@ use crate::topology::EdgeTable;
 ///   (crossed) of the energy of springs;
 /// - pushed together, the sheet keeps `fine_fraction` of its stiffness, and under shear, which pulls one way and pushes
 ///   the other, 0.40 to 0.62;
-/// - stretch that changes from one coarse vertex to the next, over 2^(level/2) edges or more, meets `fine_fraction` of
-///   the stiffness only, and waves of four edges 0.02 to 0.18: the coarser the level, the larger the parts of the sheet
-///   that can be drawn out of place within their surroundings.
+/// - coarse vertices are 2^(level/2) edges apart or more, and links see nothing in between. Stretch that changes from
+///   one coarse vertex to the next meets `fine_fraction` of the stiffness only, waves of four edges 0.02 to 0.18 of it.
+///   The coarser the level, the larger the part of a sheet that can be drawn out of place within its surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoarseMembrane {
     /// The coarse level, from 1: each has half as many vertices as the one before, or fewer (dimensionless).

@@ -165,10 +165,12 @@ impl ClosedVolume {
 
     /// Begins a substep from `x` (m).
     ///
-    /// The force acts along ∂V where the substep begins, as forces of an explicit scheme do. Along ∂V of where vertices
-    /// have flown, the curvature −p ∂²V of a filling that presses would take energy from nowhere: of a force of
-    /// negative stiffness −c, what a substep makes of position and velocity has the determinant `1 + h² w c` there,
-    /// here 1.
+    /// The force acts along ∂V where the substep begins, as the forces of an explicit scheme do, and not along ∂V of
+    /// where vertices have flown by then. The curvature −p ∂²V of a filling that presses is negative: along one
+    /// coordinate, a force `c x` away from rest. A substep of h is then a linear map of position and velocity. Where
+    /// the force is that at the start, `v′ = v + h w c x` and `x′ = x + h v′`, the determinant of this is 1, and areas
+    /// of (x, v) stay. Where it is that at `x + h v` the determinant is `1 + h² w c`: areas grow, and with them energy,
+    /// out of nothing.
     pub(super) fn begin_substep(&mut self, inverse_mass: &[Real], x: &[Vec3]) {
         self.multiplier = 0.0;
         self.gradient.fill(Vec3::zeros());

@@ -85,8 +85,9 @@ impl ContactHessian {
     }
 
     /// Takes the contacts at x (m) to the matrix as it was assembled, and updates the cycle; `rest` (m) is where
-    /// vertices are at rest, for the first time. A matrix that the coarsest level refuses still makes a cycle of the
-    /// other levels.
+    /// vertices are at rest, for the first time. If the coarsest level is not positive definite as it is, the cycle has
+    /// it with a slightly larger diagonal, or, if that is not enough, without a correction from it
+    /// ([`Multigrid::refresh`]).
     pub fn refresh(&mut self, contact: Option<&dyn ContactPotential>, x: &[Vec3], rest: &[Vec3]) {
         if let Some(contact) = contact {
             let stiffest = MAX_CONTACT_STIFFNESS_RATIO * self.largest_diagonal();

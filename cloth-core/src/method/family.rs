@@ -421,8 +421,9 @@ impl Energies {
     /// - The block B of such a pair is added to the diagonal blocks of both vertices instead: `x₂ᵀB x₃` becomes
     ///   `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`. The difference is `½ (x₂ − x₃)ᵀB (x₂ − x₃)`: nothing for a translation, and not
     ///   negative for any other displacement if B is positive semidefinite.
-    /// - If B is not, the symmetric part of B is taken, plus a multiple of the identity: that which takes away the
-    ///   negative eigenvalue of a block of rank one or two, such as `½ (a bᵀ + b aᵀ)` of one constraint.
+    /// - If B is not, its symmetric part S is taken, raised by `½ (√(2 ‖S‖² − (tr S)²) − tr S)` times the identity if
+    ///   that is positive. For a rank of at most two this is minus the lower eigenvalue, so that none is negative; of
+    ///   the gradients a and b of one constraint, `S = ½ (a bᵀ + b aᵀ)` has such a rank.
     /// - A vertex that has no other elements keeps its pairs.
     /// - Elements with [numerical eigenvalues](crate::element::Element::HAS_NUMERICAL_EIGENVALUES) are taken by
     ///   [`Convexity::GaussNewton`], whatever is asked for: their eigenvalues cost more than all else, and do not save

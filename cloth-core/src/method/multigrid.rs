@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | `x_fine = P x_coarse` | prolongation; restriction is `Pᵀ` | [`Prolongation`] |
 //! | `A_coarse = Pᵀ A P` | the coarse operator (Galerkin) | `galerkin` |
-//! | `x ← (D + L)⁻¹ r`, `x ← x + (D + Lᵀ)⁻¹(r − A x)` | smoothing before and after | `level` |
+//! | `x ← (D′ + L)⁻¹ r`, `x ← x + (D′ + Lᵀ)⁻¹(r − A x)` | smoothing before and after; L within chunks of rows, `D′ = D` if there is one | `level` |
 //! | `A x = r` | the coarsest level | `coarsest` |
 //! | `w = b (1 + β·(r − m))` | weights of P, exact for linear functions | `weights` |
 //! | lengths of geodesics over the cloth | links of the coarse vertices of a mesh | [`coarse_levels`] |
@@ -34,9 +34,10 @@
 //! Ruge and Stüben, cited in `coarsening`):
 //!
 //! 1. *Smoothing.* A sweep of Gauss–Seidel makes `e − M⁻¹A e` of e. Since `M + Mᵀ = A + D`, that takes `‖M⁻¹A e‖²_D`
-//!    from the energy, which is at least `σ ‖A e‖²` in the norm of D⁻¹. Here `σ = 1/‖D^−½ M D^−½‖²`, for which the
-//!    number of neighbours of a vertex is a bound. So a sweep takes much where the residual A e is large beside the
-//!    error: from rough errors.
+//!    from the energy, which is at least `σ ‖A e‖²` in the norm of D⁻¹, with `σ = 1/‖D^−½ M D^−½‖²`. The block (i, j)
+//!    of `D^−½ A D^−½` has a norm of at most 1, as A is positive definite, and a row of M has no more of them than a
+//!    vertex has neighbours, and itself. So `σ ≥ 1/(n + 1)²` with n the most neighbours of a vertex, on a mesh of any
+//!    size. A sweep takes much where the residual A e is large beside the error: from rough errors.
 //! 2. *Approximation.* Some coarse y has `‖e − P y‖²_D ≤ τ ‖e‖²_A`: an error of little energy changes little from a
 //!    vertex to its parents, and is interpolated well. τ depends on how far away these are, in edges, and not on how
 //!    many vertices there are.
@@ -159,8 +160,11 @@ impl Multigrid {
         self.levels.iter().map(Level::len)
     }
 
-    /// Updates the levels for the numbers of a matrix (N/m) on the pattern. Returns false where the coarsest level
-    /// shows that it is not positive definite; then there is no correction from there.
+    /// Updates the levels for the numbers of a matrix (N/m) on the pattern. Returns false where the coarsest level is
+    /// not positive definite. That need not be the matrix: the levels are computed in single precision, whose rounding
+    /// can do it to a definite one that is stiff beside its masses. The coarsest level is then solved with its diagonal
+    /// larger by a part of itself, the first of 10⁻⁶, 10⁻⁵ and 10⁻⁴ that makes it definite, and gives no correction if
+    /// none does.
     ///
     /// # Panics
     /// If the matrix has another number of blocks.

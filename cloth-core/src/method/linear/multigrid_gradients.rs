@@ -3,6 +3,9 @@
 //! The cycle is computed in single precision and only symmetric to its rounding, so directions are made conjugate by
 //! the change of the residual (Polak and Ribière's form), which does not rely on it.
 //!
+//! [`prepare`](LinearSolver::prepare) refuses a matrix whose coarsest level is not positive definite. The levels are in
+//! single precision, so it may refuse a definite one that is very stiff beside its masses; a factorisation takes that.
+//!
 //! G. H. Golub, Q. Ye, "Inexact preconditioned conjugate gradient method with inner-outer iteration", SIAM J. Sci.
 //! Comput. 21(4), 1999, <https://doi.org/10.1137/S1064827597323415>.
 

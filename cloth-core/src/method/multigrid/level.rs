@@ -6,12 +6,20 @@
 //! 33(5), 2011, <https://doi.org/10.1137/100798806>). A forward sweep before the coarse correction and a backward one
 //! after it make the cycle symmetric.
 //!
-//! It is positive definite if `M + Mᵀ − A` is, where M is the block lower triangle that a forward sweep inverts. Within
-//! one chunk that is D, the diagonal blocks. With several it is D less the blocks B between chunks, which bending makes
-//! indefinite: four vertices of a hinge in two chunks. So M has D′ ≥ D + Σ|B| − 0.9 D on its diagonal, with |B| over the
-//! blocks between chunks of that row (their ℓ₁ smoother, section 6): D′ = D wherever that will do, as with springs, each
-//! of which has as much in D as in B. For `B = U Σ Vᵀ` |B| is U Σ Uᵀ in its row and V Σ Vᵀ in its column, with which the
-//! two make a semi-definite matrix.
+//! It is positive definite if `M + Mᵀ − A` is, where M is the block lower triangle that a forward sweep inverts. Let D
+//! be the diagonal blocks of A, L the blocks below it within a chunk, and C all blocks between chunks, so that `A = D +
+//! L + Lᵀ + C`. With `M = D + L` that would be `D − C`. This is indefinite where bending couples the four vertices of a
+//! hinge in two chunks. So `M = D′ + L` with a larger diagonal D′ (the ℓ₁ smoother of the same paper, section 6):
+//!
+//! 1. A block `B = U Σ Vᵀ` of C has the absolute value `|B| = U Σ Uᵀ` in its row and `V Σ Vᵀ` in its column. `2 xᵀB y ≤
+//!    xᵀU Σ Uᵀx + yᵀV Σ Vᵀy` for all x and y.
+//! 2. Let S be the sum of these over the blocks of C, in the diagonal block of each row. So `S − C` is positive
+//!    semidefinite.
+//! 3. `D′ = D + (S − 0.9 D)₊`, with the part above zero: D wherever that will do, as mostly with springs. It is at
+//!    least D, and at least `S + 0.1 D`.
+//! 4. The sum of the two is `2D′ ≥ D + S + 0.1 D`. So `M + Mᵀ − A = 2D′ − D − C ≥ 2D′ − D − S ≥ 0.1 D`.
+//!
+//! With contacts between vertices all chunks are swept one after another on one thread, since these may couple any two.
 
 use super::blocks::{Block, Lanes, lanes, plus, vector};
 use super::prolongation::Prolongation;

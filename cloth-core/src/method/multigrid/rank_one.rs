@@ -67,15 +67,18 @@ impl RankOne {
         self.index(is_free.len());
     }
 
-    /// Takes over those of a finer level, and merges some: those between the same two coarse vertices, where their
-    /// weights of either sign are largest, whose normals are nearest to the same axis. Let `Jᵢ = wᵢ nᵢ`, w the weights
-    /// on this level. The merged one has the mean w and the mean direction n, both weighted by the stiffnesses kᵢ (and
-    /// with signs that make the nᵢ agree), and the stiffness k with which `k ‖w‖²` is `Σ kᵢ ‖wᵢ‖²`, the trace of the
-    /// sum.
+    /// Takes over those of a finer level, and merges those that are nearly the same on this level. Two are, if their
+    /// weights of either sign are largest at the same two coarse vertices, and their normals are nearest to the same
+    /// axis.
     ///
-    /// If all w and n are alike that is the sum itself. If they are not, what they hold across the mean is counted
-    /// along it: the trace, so the sum of the eigenvalues, stays. Such a level may be off by that, but `k J Jᵀ` is
-    /// positive semidefinite, so the cycle stays a preconditioner; the finest level, and what is iterated around the
+    /// Let `Jᵢ = wᵢ nᵢ`, w the weights on this level, with signs that make the nᵢ agree. The merged one, `k J Jᵀ`, has
+    ///
+    /// - as w the mean of the wᵢ, and as n the direction of the mean of the nᵢ, both weighted by the stiffnesses kᵢ;
+    /// - the stiffness k with `k ‖w‖² = Σ kᵢ ‖wᵢ‖²`. That is the trace of the sum of all.
+    ///
+    /// If all w and n are alike this is the sum itself. If they are not, only the trace is, the sum of the eigenvalues:
+    /// what the others resist across the mean is counted along it. Such a level is off by that, but `k J Jᵀ` is
+    /// positive semidefinite, so the cycle stays a preconditioner. The finest level, and what is iterated around the
     /// cycle, have all of them as they are. An error here costs iterations, not accuracy.
     pub(super) fn restrict(&mut self, fine: &Self, prolongation: &Prolongation) {
         self.clear();
