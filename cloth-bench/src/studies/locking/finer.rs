@@ -7,7 +7,8 @@ use super::sheet::square;
 use crate::studies::prelude::*;
 
 /// The points (m) of a square grid of twice as many cells on the surface of one of `cells` cells a side whose points
-/// are at `coarse` (m): bilinear in each cell, whatever its diagonal.
+/// are at `coarse` (m). Both alternate their diagonals, so every triangle of the finer one is a quarter of one of the
+/// coarser, or lies within half of it: the surface is the same, and nothing crosses that did not before.
 pub fn refined(coarse: &[Vec3], cells: usize) -> Result<Vec<Vec3>, BenchError> {
     let fine = square("alternating", 2 * cells)?;
     let row = cells + 1;
@@ -19,8 +20,13 @@ pub fn refined(coarse: &[Vec3], cells: usize) -> Result<Vec<Vec3>, BenchError> {
             (first, t - first as Real)
         };
         let ((i, s), (j, t)) = (cell(p.x), cell(p.y));
-        let along = |j: usize| at(i, j) + (at(i + 1, j) - at(i, j)) * s;
-        along(j) + (along(j + 1) - along(j)) * t
+        let [a, b, d, e] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        match ((i + j) % 2 == 0, s >= t, s + t <= 1.0) {
+            (true, true, _) => a + (b - a) * s + (d - b) * t,
+            (true, false, _) => a + (e - a) * t + (d - e) * s,
+            (false, _, true) => a + (b - a) * s + (e - a) * t,
+            (false, _, false) => d + (e - d) * (1.0 - s) + (b - d) * (1.0 - t),
+        }
     };
     Ok(fine.positions().iter().map(place).collect())
 }
