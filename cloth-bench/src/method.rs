@@ -13,6 +13,7 @@ pub use own::{Build, OwnMethod, all, register, with_own};
 
 use crate::error::BenchError;
 use crate::names;
+use crate::run::Summary;
 use crate::scene::{ContactSetup, Scene};
 use crate::settings::{Or, Parameter, Settings, Table};
 use cloth_core::cloth::Elements;
@@ -57,8 +58,12 @@ enum Kind {
     Own(OwnMethod),
 }
 
-/// More parts of a step than this are a slip of the pen.
+/// More parts of a step than this are a slip of the pen, and more than these are worth a note.
 const MOST_SUBSTEPS: Real = 1e6;
+const MANY_SUBSTEPS: u32 = 1000;
+/// Strain at the end of a run of which sweeps may have left a part that is worth a warning: more than their number is
+/// chosen for.
+const SWEPT_STRAIN: Real = 0.15;
 
 /// Every method of the workspace; [`all`] has those of your own too.
 pub const METHODS: [Method; 10] = [
@@ -156,6 +161,36 @@ impl Method {
             }
             _ => "",
         }
+    }
+
+    /// A note on a number of substeps that makes the method dear, before a run.
+    pub(crate) fn cost_note(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        dt: Real,
+    ) -> Result<Option<String>, BenchError> {
+        let count = self.substeps(scene, settings, dt)?;
+        Ok((count > MANY_SUBSTEPS).then(|| {
+            format!(
+                "{} takes {count} substeps a step here: stiff, light or heavily loaded cloth needs them; the steps of \
+                 implicit-euler and pd do not depend on that",
+                self.name
+            )
+        }))
+    }
+
+    /// A sentence about a stretch at the end of a run of which sweeps may have left a part.
+    pub(crate) fn stretch_warning(&self, summary: &Summary) -> Option<String> {
+        let (strain, sweeps) = (summary.max_stretch, summary.iterations_per_step);
+        (matches!(self.kind, Kind::Xpbd) && strain > SWEPT_STRAIN).then(|| {
+            format!(
+                "an edge is {:.0} % longer at the end than at rest: {sweeps} sweeps a step may leave some of that beside \
+                 the material's; see what `--set substeps={}` makes of it",
+                100.0 * strain,
+                4 * sweeps.max(1)
+            )
+        })
     }
 
     /// Settings of a run that is not a comparison: where the published one leaves more strain the finer the mesh, it is

@@ -219,6 +219,9 @@ fn simulate(
     for note in of_bodies.map(str::to_owned).chain(scene.mesh_notes()) {
         eprintln!("note: {note}");
     }
+    if let Some(note) = method.cost_note(scene, settings, dt)? {
+        eprintln!("note: {note}");
+    }
     if let Some(warning) = method.contact_warning(scene) {
         eprintln!("warning: {warning}");
     }
@@ -343,6 +346,7 @@ fn simulate(
     let warnings = [
         summary.start_warning(),
         summary.stretched.clone(),
+        method.stretch_warning(&summary),
         summary
             .energy_warning()
             .map(|warning| warning + method.about_energy_gain()),

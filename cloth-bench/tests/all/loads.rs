@@ -150,6 +150,32 @@ shape = "plane"
     }
 }
 
+/// What makes xpbd dear is said before a run, and what its sweeps may have left of a stretch after it: they are chosen
+/// for gravity, and know nothing of how far pins pull.
+#[test]
+fn dear_substeps_and_what_too_few_leave_are_said() {
+    let said = |name: &str, text: &str, more: &[&str]| {
+        let path = written(name, text);
+        let all = ["run", path.to_str().unwrap(), "--threads", "1", "--method"];
+        let output = program(&[&all[..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{name}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let heavy = "steps = 1\n[[mesh]]\ngenerator = \"grid:5x21:alternating\"\n[cloth]\ndensity = 0.05\nstiffness = 1e6\n\
+        [[pins]]\nbox = [[-1, 0.999, -1], [2, 2, 1]]\n[[mass]]\nbox = [[-1, -1, -1], [2, 0.001, 1]]\nmass = 50\n";
+    let note = "note: xpbd takes";
+    assert!(said("dear", heavy, &["xpbd"]).contains(note));
+    assert!(!said("dear", heavy, &["pd"]).contains(note));
+    let pulled = "steps = 60\ngravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:13x13:alternating\"\n\
+        [cloth]\ndensity = 0.05\nstiffness = 1e3\n[[pins]]\nbox = [[-1, 0.999, -1], [2, 2, 1]]\n\
+        [[pins]]\nbox = [[-1, -1, -1], [2, 0.001, 1]]\nmove = [0, -0.2, 0]\nduration = 0.5\n";
+    let warning = "sweeps a step may leave some of that";
+    assert!(said("pulled-far", pulled, &["xpbd"]).contains(warning));
+    assert!(!said("pulled-far", pulled, &["pd"]).contains(warning));
+    let little = pulled.replace("-0.2", "-0.1");
+    assert!(!said("pulled-less", &little, &["xpbd"]).contains(warning));
+}
+
 /// Cloth of small triangles is thinner than 2 mm, and that is said; a thickness beyond its edges is, too.
 #[test]
 fn thickness_is_at_most_half_an_edge_unless_it_is_set() {

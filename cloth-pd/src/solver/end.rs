@@ -65,7 +65,8 @@ impl PdSolver {
 
     /// Whether velocities are as near to those of the minimum as `fraction` of the tolerance asks: by the Newton
     /// decrement of the last direction, and by `decrease` (J), that of `G` in [`DECREASE_WINDOW`] iterations. Pairs
-    /// that do not fit the Hessian can make the first too small.
+    /// that do not fit the Hessian can make the first too small. Where no direction leads down any more, as at the speed
+    /// at which the air carries a sheet, the gradient bounds it: the Hessian is at least M/Δt².
     pub(super) fn meets_velocity_tolerance(&self, fraction: Real, decrease: Real) -> bool {
         let Method::QuasiNewton(method) = &self.method else {
             return false;
@@ -73,7 +74,11 @@ impl PdSolver {
         let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
         let velocity = forced.max(NEGLIGIBLE_SPEED * self.objective.speed(&self.point));
         let enough = (fraction * self.config.velocity_tolerance * velocity).powi(2);
-        method.decrement() <= enough && decrease <= DECREASE_WINDOW as Real * enough
+        let decrement = match method.decrement() {
+            known if known.is_finite() => known,
+            _ => (self.objective.norm(&self.point.gradient) * self.objective.dt()).powi(2),
+        };
+        decrement <= enough && decrease <= DECREASE_WINDOW as Real * enough
     }
 
     /// Whether the last direction was one of Newton's method.

@@ -84,7 +84,8 @@ crate::settings! {
         vertices: Option<Vec<u32>> = "none",
             "numbers from 0, in the order of the file or the generator, mesh after mesh";
         corners as "box": Option<[Vec3; 2]> = "none" "m",
-            "two corners such as [[0, 0, 0], [1, 1, 1]]: all vertices in between";
+            "two corners such as [[0, 0, 0], [1, 1, 1]]: all vertices in between, at rest, whenever \
+             what they are chosen for begins";
     }
     /// Of vertices that are held and move.
     pub(super) struct Way {
