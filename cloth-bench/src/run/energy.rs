@@ -19,7 +19,7 @@
 //! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method has added up over its substeps: explicit ones with ∂E/∂x, XPBD with its multipliers, PBD with the sum of what its visits have moved each row by, projective dynamics with its constant matrix and the projections of its last iterate: the forces that they have used |
 //! | the air | F·Δx in every (sub)step, with the force F in it ([`cloth_core::air`]) |
 //! | gas inside, and forces of the scene | F·Δx, with the load F of the step |
-//! | all of these with BDF2 | F·v Δt, v at its end, where F acts, if that is more |
+//! | all of these with BDF2 | ½ (F before + after)·Δx, or F·v Δt, v at its end, where F acts, if that is more |
 //! | vertices that are held from some time on, or released | the kinetic energy and that of gravity which they take along or bring |
 //! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
 //! | seams that close, points of soft pins that move | the same, after steps in which one does |

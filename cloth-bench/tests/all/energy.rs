@@ -333,7 +333,7 @@ fn wind_gives_cloth_what_it_gains_by_bdf2() {
 fn a_sheet_carried_by_the_air_falls_at_its_speed_and_is_done() {
     let text = "[[mesh]]\ngenerator = \"grid:11x11:alternating\"\n[cloth]\ndensity = 0.2\n[air]\n";
     let scene = written("carried", text);
-    for method in ["pd", "implicit-euler"] {
+    for method in ["pd", "implicit-euler", "bdf2"] {
         let (code, object, said) = run(&format!(
             "{} --method {method} --steps 240",
             scene.display()

@@ -68,6 +68,8 @@ pub struct Bdf2 {
     dt: Option<Real>,
     /// Whether velocities have jumped in it.
     has_jumped: bool,
+    /// Load and air at its end (N); nothing if there was neither.
+    force: Vec<Vec3>,
 }
 
 impl Bdf2 {
@@ -81,6 +83,7 @@ impl Bdf2 {
                 after: [zeros(), zeros()],
                 dt: None,
                 has_jumped: false,
+                force: Vec::new(),
                 implicit,
             }
         })
@@ -125,18 +128,17 @@ impl Bdf2 {
     }
 
     /// Upper bound on the work (J) of load and air in a step that ended in `state`: by the velocity at the end, where
-    /// the load acts, or by the displacement. Where a load changes with time, as that of the air does, the two differ,
-    /// and the energy that it gives the cloth lies between them.
+    /// the load acts, or by the displacement and the mean of the forces at both ends, of second order. Where a load
+    /// changes with time, as that of the air does, they differ.
     fn work_of(&self, input: &StepInput<'_>, state: &State) -> Real {
         let particles = &self.implicit.particles;
         let [start, _] = &self.after;
         let (mut by_velocity, mut by_displacement) = (0.0, 0.0);
         for vertex in (0..particles.len()).filter(|&v| !particles.is_prescribed(v)) {
-            let load = input.load.map_or(Vec3::zeros(), |load| load[vertex]);
-            let air = input.air.as_ref().map(|air| air.forces()[vertex]);
-            let force = load + air.unwrap_or_default();
+            let force = force(input, vertex);
+            let mean = 0.5 * (force + self.force.get(vertex).unwrap_or(&force));
             by_velocity += force.dot(&state.velocities[vertex]) * input.dt;
-            by_displacement += force.dot(&(state.positions[vertex] - start[vertex]));
+            by_displacement += mean.dot(&(state.positions[vertex] - start[vertex]));
         }
         by_velocity.max(by_displacement)
     }
@@ -146,6 +148,13 @@ impl Bdf2 {
         positions.copy_from_slice(&state.positions);
         velocities.copy_from_slice(&state.velocities);
     }
+}
+
+/// Load and air (N) at the end of a step.
+fn force(input: &StepInput<'_>, vertex: usize) -> Vec3 {
+    let load = input.load.map_or(Vec3::zeros(), |load| load[vertex]);
+    let air = input.air.as_ref().map(|air| air.forces()[vertex]);
+    load + air.unwrap_or_default()
 }
 
 impl Stepper for Bdf2 {
@@ -160,6 +169,7 @@ impl Stepper for Bdf2 {
     ) -> Result<StepReport, StepError> {
         input.check(state, self.implicit.particles.len())?;
         let dt = input.dt;
+        let has_load = input.load.is_some() || input.air.is_some();
         let is_linear = input.contacts.is_none() && self.implicit.energies.are_quadratic();
         let fall = (!is_linear).then(|| self.fall(&input));
         let mut has_jumped = false;
@@ -177,7 +187,6 @@ impl Stepper for Bdf2 {
                     })?;
             // By the force at the end it would be of first order only.
             report.pin_work = None;
-            let has_load = input.load.is_some() || input.air.is_some();
             report.load_work = has_load.then(|| self.work_of(&input, state));
             has_jumped = fall.is_some_and(|fall| self.jumps(state, fall));
             report
@@ -187,6 +196,11 @@ impl Stepper for Bdf2 {
             self.implicit.advance_euler(state, &mut input)?
         };
         self.has_jumped = has_jumped;
+        self.force.clear();
+        if has_load {
+            let vertices = 0..self.implicit.particles.len();
+            self.force.extend(vertices.map(|v| force(&input, v)));
+        }
         std::mem::swap(&mut self.before, &mut self.after);
         self.remember(state);
         self.dt = Some(dt);
