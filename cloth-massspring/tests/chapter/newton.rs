@@ -6,6 +6,7 @@ use cloth_core::element::Convexity;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, center_of_mass, predict};
 use cloth_core::method::family::Energies;
+use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
 use cloth_massspring::{Accept, HessianPolicy, ImplicitConfig, ImplicitEuler, Solve, StartGuess};
@@ -326,5 +327,29 @@ fn far_from_the_origin_it_still_converges() {
             .step(&mut state, StepInput::new(DT).gravity(DOWN))
             .unwrap();
         assert_eq!(report.outcome, Outcome::Converged);
+    }
+}
+
+/// Newton's method tries the whole Hessian before it clamps it, and conjugate gradients find out that it is indefinite.
+/// The direction that they had by then was not finite, and no solve after it was.
+#[test]
+fn an_indefinite_matrix_leaves_nothing_behind_in_conjugate_gradients() {
+    let (mesh, mut model) = hang(33);
+    for spring in &mut model.springs {
+        spring.stiffness = 1e7;
+    }
+    let config = ImplicitConfig {
+        solve: Solve::Newton,
+        linear: LinearMethod::Multigrid(StoppingCriteria::default()),
+        max_iterations: 60,
+        ..ImplicitConfig::default()
+    };
+    let builder = ImplicitEuler::builder(&model.particles).energy(model.springs);
+    let mut solver = builder.energy(model.hinges).config(config).build().unwrap();
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    for _ in 0..4 {
+        let input = StepInput::new(DT).gravity(DOWN);
+        let taken = solver.step(&mut state, input);
+        assert!(taken.is_ok(), "{taken:?}");
     }
 }

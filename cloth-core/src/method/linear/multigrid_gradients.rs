@@ -87,6 +87,8 @@ impl LinearSolver for MultigridGradients {
             .as_mut()
             .ok_or(LinearError::NotPositiveDefinite)?;
         x.fill(Vec3::zeros());
+        // That of a matrix which was refused need not be finite.
+        self.direction.fill(Vec3::zeros());
         for ((r, b), free) in self.residual.iter_mut().zip(b).zip(&self.is_free) {
             *r = if *free { *b } else { Vec3::zeros() };
         }
