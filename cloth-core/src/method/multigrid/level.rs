@@ -140,18 +140,19 @@ impl Level {
         self.beyond.fill(Block::ZERO);
         for &(row, slot) in &self.between {
             let column = self.pattern.columns()[slot as usize];
-            let svd = self.blocks[slot as usize].to_double().svd(true, true);
-            let sigma = Mat3::from_diagonal(&svd.singular_values);
-            if let (Some(u), Some(v_t)) = (svd.u, svd.v_t) {
-                let [of_row, of_column] = [u, v_t.transpose()].map(|q| q * sigma * q.transpose());
-                self.beyond[row as usize].add(&Block::from(&of_row), 1.0);
-                self.beyond[column as usize].add(&Block::from(&of_column), 1.0);
-            }
+            let [of_row, of_column] = absolute(&self.blocks[slot as usize]);
+            self.beyond[row as usize].add(&Block::from(&of_row), 1.0);
+            self.beyond[column as usize].add(&Block::from(&of_column), 1.0);
         }
         for (row, beyond) in self.beyond.iter_mut().enumerate() {
             if *beyond != Block::ZERO {
                 let own = self.blocks[self.pattern.row(row).end - 1].to_double();
-                let mut eigen = (beyond.to_double() - own * TAKEN).symmetric_eigen();
+                let missing = beyond.to_double() - own * TAKEN;
+                if (-missing).cholesky().is_some() {
+                    *beyond = Block::ZERO;
+                    continue;
+                }
+                let mut eigen = missing.symmetric_eigen();
                 eigen.eigenvalues.apply(|value| *value = value.max(0.0));
                 *beyond = Block::from(&eigen.recompose());
             }
@@ -394,4 +395,18 @@ impl Level {
             },
         );
     }
+}
+
+/// |B| (N/m) in its row and in its column.
+fn absolute(block: &Block) -> [Mat3; 2] {
+    let b = block.to_double();
+    // That of a spring is −B, and singular to rounding.
+    let rounding = Mat3::from_diagonal_element(f64::from(f32::EPSILON) * b.norm());
+    if block.is_symmetric() && (rounding * 10.0 - b).cholesky().is_some() {
+        return [-b; 2];
+    }
+    let svd = b.svd(true, true);
+    let sigma = Mat3::from_diagonal(&svd.singular_values);
+    let of = |q: Option<Mat3>| q.map_or(Mat3::zeros(), |q| q * sigma * q.transpose());
+    [of(svd.u), of(svd.v_t.map(|v_t| v_t.transpose()))]
 }
