@@ -1,7 +1,7 @@
 //! Constraint forces, read from the multipliers: `f = Jᵀλ/h²`.
 
 use crate::solver::XpbdSolver;
-use crate::update::{Multiplier, XpbdUpdate};
+use crate::update::Multiplier;
 use cloth_core::math::{Real, Vec3};
 
 /// The force of one row, averaged over the last substep.
@@ -44,16 +44,12 @@ impl XpbdSolver {
     /// If there is no such family.
     pub fn multipliers_into(&self, family: usize, out: &mut Vec<Real>) {
         self.families.read_memory(family, out, Multiplier::lambda);
-        let Some(update) = self.last else {
+        if self.last.is_none() {
             out.fill(0.0);
-            return;
-        };
-        if !self.start.is_empty() {
-            let w = self.motion.inverse_mass();
-            self.families.inspect(family, w, &self.start, |seen| {
-                let update = update.for_row(seen.is_limit);
-                out[seen.index] += update.offset(seen.row.stiffness, seen.row.value);
-            });
+        } else if let Some(offsets) = self.offsets.get(family) {
+            out.iter_mut()
+                .zip(offsets)
+                .for_each(|(lambda, offset)| *lambda += offset);
         }
     }
 
@@ -100,19 +96,10 @@ impl XpbdSolver {
         }
     }
 
-    /// Adds the work of prescribed vertices in the substep of `update`, after its sweeps.
-    pub(crate) fn count_pin_work(&mut self, update: XpbdUpdate) {
+    /// Adds the work of prescribed vertices in a substep, after its sweeps.
+    pub(crate) fn count_pin_work(&mut self) {
         if self.motion.moving_pins().is_none() {
             return;
-        }
-        self.prescribed_offsets.clear();
-        if !self.start.is_empty() {
-            let w = self.motion.inverse_mass();
-            self.families.inspect_prescribed(w, &self.start, |seen| {
-                let update = update.for_row(seen.is_limit);
-                let offset = update.offset(seen.row.stiffness, seen.row.value);
-                self.prescribed_offsets.push(offset);
-            });
         }
         let mut offsets = self.prescribed_offsets.iter();
         self.motion.count_pin_work(&self.families, |seen| {

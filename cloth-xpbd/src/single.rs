@@ -65,7 +65,7 @@
 //! ```
 //!
 //! # Limits
-//! - Springs and vector rows only, coloured sweeps only, no damping, no extrapolation, no forces read out: for
+//! - Springs and vector rows whose rest data do not change with time only, coloured sweeps only, no damping, no extrapolation, no forces read out: for
 //!   all that there is [`XpbdSolver`](crate::XpbdSolver).
 //! - A stiffness is infinite from `1/(k h²) < 1e-38` on, and zero from `1/(k h²) > 1e30`.
 //! - Where a colour's last pack is not full, springs are visited in another order than by

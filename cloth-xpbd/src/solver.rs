@@ -51,8 +51,9 @@ pub struct XpbdSolver {
     pub(crate) last: Option<XpbdUpdate>,
     /// The update whose α̃ the families hold.
     prepared: Option<XpbdUpdate>,
-    /// Positions (m) at the start of the last substep, one per vertex; empty if nothing is damped.
-    pub(crate) start: Vec<Vec3>,
+    /// `λ − ν` of the rows of each family in the last substep, in the order in which they were added; empty if nothing
+    /// is damped.
+    pub(crate) offsets: Vec<Vec<Real>>,
     /// `λ − ν` of the rows with a prescribed vertex, in the order of [`Families::inspect_prescribed`]; empty
     /// unless such a vertex moves and there is damping.
     pub(crate) prescribed_offsets: Vec<Real>,
@@ -116,8 +117,9 @@ impl XpbdSolver {
         let h = input.dt / Real::from(substeps);
         let update = XpbdUpdate::new(h, self.config.damping);
         for substep in 1..=substeps {
+            let begun = state.time + Real::from(substep - 1) * h;
+            self.begin_substep(update, begun, substep == substeps); // λ = 0, here and not in each iteration
             self.families.set_time(state.time + Real::from(substep) * h);
-            self.begin_substep(update); // λ = 0, here and not in each iteration
             self.motion.predict(input, h)?; // v ← v + h a, x̃ ← x + h v
             self.families.restart();
             for _ in 0..self.config.iterations {
@@ -125,7 +127,7 @@ impl XpbdSolver {
                     self.families.sweep(&update, w, x); // Δλ of every row, x moved along
                 });
             }
-            self.count_pin_work(update);
+            self.count_pin_work();
             self.motion.update_velocities(input)?; // v ← v + (x − x̃)/h
         }
         Ok(update)
@@ -172,19 +174,36 @@ impl XpbdSolver {
         sum
     }
 
-    /// Sets λ of every row to zero (damped: ν to `−k h β C⁰`), once per substep.
-    fn begin_substep(&mut self, update: XpbdUpdate) {
-        let damped = !self.start.is_empty();
+    /// Sets λ of every row to zero, once per substep, which begins at `time` (s). Damped it sets ν to `−k h β C⁰`,
+    /// where C⁰ is of the positions and the rest data at that time; of the last substep of a step that is remembered.
+    fn begin_substep(&mut self, update: XpbdUpdate, time: Real, is_last: bool) {
+        let damped = self.config.damping > 0.0;
         if !damped && self.prepared == Some(update) {
             self.families.reset();
             return;
         }
         let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
         if damped {
-            self.start.copy_from_slice(x);
+            self.families.set_time(time);
         }
         self.families.prepare(&update, w, x);
         self.prepared = Some(update);
+        if !damped {
+            return;
+        }
+        self.prescribed_offsets.clear();
+        if self.motion.moving_pins().is_some() {
+            let offsets = &mut self.prescribed_offsets;
+            self.families
+                .inspect_prescribed(w, x, |seen| offsets.push(-seen.memory.lambda()));
+        }
+        if is_last {
+            self.offsets.resize(self.families.len(), Vec::new());
+            for (family, offsets) in self.offsets.iter_mut().enumerate() {
+                self.families
+                    .read_memory(family, offsets, |memory| -memory.lambda());
+            }
+        }
     }
 
     /// The settings.

@@ -105,8 +105,7 @@ impl DirectXpbd {
         };
         input.dt = dt / Real::from(self.config.substeps);
         let taken = (1..=self.config.substeps).try_for_each(|substep| {
-            let time = state.time + Real::from(substep) * input.dt;
-            self.families.iter_mut().for_each(|f| f.set_time(time));
+            current.time = state.time + Real::from(substep - 1) * input.dt;
             self.substep(&mut current, input, &mut sum)
         });
         input.dt = dt;
@@ -252,12 +251,17 @@ impl DirectXpbd {
         predict(&self.particles, state, input, &mut self.predicted);
         self.start_value.fill(0.0);
         if self.config.damping > 0.0 {
+            self.families
+                .iter_mut()
+                .for_each(|f| f.set_time(state.time));
             self.evaluate_at(&state.positions);
             for (row, start) in self.start_value.iter_mut().enumerate() {
                 let update = update.for_row(self.rows.is_limit[row]);
                 *start = update.damped_fraction(self.rows.stiffness[row]) * self.rows.value[row];
             }
         }
+        let end = state.time + input.dt;
+        self.families.iter_mut().for_each(|f| f.set_time(end));
         for (v, x) in self.positions.iter_mut().enumerate() {
             let free = !self.particles.is_prescribed(v);
             *x = match self.config.start {

@@ -63,6 +63,12 @@ impl<const N: usize> VectorRows<N> {
             RowForm::Vector(row) => Some(row),
             RowForm::Unit(_) | RowForm::General => None,
         };
+        if E::CHANGES_WITH_TIME {
+            return Err(BuildError::SettingsConflict {
+                one: "a sweep in single precision",
+                needs: "elements whose rest data do not change with time",
+            });
+        }
         let exact: Option<Vec<VectorRow<N>>> = elements.iter().map(exact).collect();
         let exact = exact.ok_or(BuildError::SettingsConflict {
             one: "a sweep in single precision",

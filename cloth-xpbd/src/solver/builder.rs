@@ -7,7 +7,6 @@ use crate::update::XpbdUpdate;
 use cloth_core::cloth::Elements;
 use cloth_core::element::Constraint;
 use cloth_core::error::{not_negative, positive};
-use cloth_core::math::Vec3;
 use cloth_core::method::position_based::{FamilyPlans, Motion, check_counts};
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
@@ -141,13 +140,8 @@ impl XpbdBuilder {
         let families = self
             .families
             .build(vertex_count, config.sweep, config.acceleration)?;
-        let damped = if config.damping > 0.0 {
-            vertex_count
-        } else {
-            0
-        };
         Ok(XpbdSolver {
-            start: vec![Vec3::zeros(); damped],
+            offsets: Vec::new(),
             prescribed_offsets: Vec::new(),
             motion,
             families,

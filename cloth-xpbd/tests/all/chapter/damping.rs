@@ -1,10 +1,11 @@
 //! Damping acts on the rate of a constraint and on nothing else.
 
 use crate::chapter::{iterations, largest_distance};
-use cloth_core::energy::{CurvatureHinge, Spring};
+use cloth_core::energy::{CurvatureHinge, SoftPin, Spring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{angular_momentum, linear_momentum};
 use cloth_core::particles::{Particles, State};
+use cloth_core::pin::PinMotion;
 use cloth_core::step::{BuildError, StepInput, Stepper};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
@@ -181,4 +182,55 @@ fn undamped_a_substep_divides_the_energy_by_one_plus_h_omega_squared() {
         let error = (energy(&state) / before / law - 1.0).abs();
         assert!(error < 1e-11, "{k}, {h}: {error:e}");
     }
+}
+
+/// A vertex tied to a point that moves by 0.3 m/s, as fast as the point: neither spring nor dashpot pulls.
+fn tied() -> (Particles, [SoftPin; 1], State) {
+    let shift = Vec3::new(0.6, 0.0, 0.0);
+    let motion = PinMotion {
+        shift,
+        duration: 2.0,
+        ..PinMotion::NONE
+    };
+    let mut state = State::at_rest(vec![Vec3::y()]);
+    state.velocities[0] = shift / motion.duration;
+    let pin = SoftPin::new(0, 50.0, Vec3::y(), motion, 0.0);
+    (Particles::new(vec![0.3]).unwrap(), [pin], state)
+}
+
+fn stays_tied(solver: &mut dyn Stepper, mut state: State) {
+    for _ in 0..10 {
+        solver.step(&mut state, StepInput::new(0.1)).unwrap();
+    }
+    let error = state.positions[0] - Vec3::new(0.3, 1.0, 0.0);
+    assert!(error.norm() < 1e-13, "{}: {error:?}", solver.name());
+}
+
+#[test]
+fn a_tie_that_moves_along_is_not_damped() {
+    let (particles, pins, state) = tied();
+    let config = XpbdConfig {
+        substeps: 3,
+        damping: 0.2,
+        ..XpbdConfig::default()
+    };
+    let builder = XpbdSolver::builder(&particles).energy(pins.to_vec());
+    let mut solver = builder.config(config).build().unwrap();
+    stays_tied(&mut solver, state);
+    let mut multipliers = Vec::new();
+    solver.multipliers_into(0, &mut multipliers);
+    assert!(multipliers.iter().all(|lambda| lambda.abs() < 1e-15));
+}
+
+#[cfg(feature = "direct")]
+#[test]
+fn a_tie_that_moves_along_is_not_damped_by_the_direct_solver() {
+    let (particles, pins, state) = tied();
+    let config = cloth_xpbd::direct::DirectConfig {
+        substeps: 3,
+        damping: 0.2,
+        ..Default::default()
+    };
+    let builder = cloth_xpbd::direct::DirectXpbd::builder(&particles).energy(pins.to_vec());
+    stays_tied(&mut builder.config(config).build().unwrap(), state);
 }
