@@ -15,9 +15,8 @@
 //! ‖A⁻¹∇G‖_A of two plain iterations, which the largest μ bounds from above.
 //!
 //! *Where it would diverge:* far from a minimum, where the projections turn from one iteration to the next, and where
-//! ∇²G is not positive (compressed springs, μ > 1). So an extrapolation that does not lower G is replaced by the plain
-//! iterate, and ω begins at 1 again. The safeguard costs an evaluation only then: else the next iteration needs it
-//! anyway.
+//! ∇²G is not positive (compressed springs, μ > 1). So an extrapolation that raises G is replaced by the plain iterate,
+//! and ω begins at 1 again. The safeguard costs an evaluation only then: else the next iteration needs it anyway.
 
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};

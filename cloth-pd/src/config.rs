@@ -8,12 +8,15 @@ use cloth_core::step::BuildError;
 /// Settings of [`PdSolver`](crate::PdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdConfig {
-    /// `Some(k)`: k iterations in every step (at least 1), at most as many with a `tolerance`. In contact a step ends
-    /// earlier where forces balance (below) or no lower point is found. `None`: as many as it takes to come within
-    /// [`velocity_tolerance`](Self::velocity_tolerance) or the `tolerance`. Plain and Chebyshev iterations do not know
-    /// when they are within `velocity_tolerance`: without a `tolerance` they take ten where nothing touches. A step of
-    /// the quasi-Newton method from [`StartGuess::Inertial`] that ends above `G(x[0])` is taken again from `x[0]`, with
-    /// as many.
+    /// `Some(k)`: k iterations in every step (at least 1). With a `tolerance` it may be fewer, and in contact, where
+    /// forces balance (below) or no lower point is found.
+    ///
+    /// `None`: as many as the `tolerance` takes, else as many as [`velocity_tolerance`](Self::velocity_tolerance)
+    /// takes. Plain and Chebyshev iterations have no estimate for the second: without a `tolerance` they are ten where
+    /// nothing touches.
+    ///
+    /// A quasi-Newton step from [`StartGuess::Inertial`] that ends above `G(x[0])` is taken again from `x[0]`, with as
+    /// many iterations once more.
     pub iterations: Option<u32>,
     /// Most iterations of a step with `iterations: None`; at least 1.
     pub most_iterations: u32,
@@ -87,7 +90,7 @@ pub enum Acceleration {
     /// contact, every displacement is bounded and `G` evaluated: these are quasi-Newton iterations without pairs.
     None,
     /// The Chebyshev semi-iterative method (Wang 2015) over the plain iteration: each iterate is extrapolated from the
-    /// one before the last. Where `G` would not fall, the plain iterate is taken and the method begins anew.
+    /// one before the last. Where `G` would rise, the plain iterate is taken and the method begins anew.
     /// Extrapolated iterates cannot be bounded by contact: a step with contact is one of plain iterations, and counts
     /// among [`chebyshev_fallbacks`](cloth_core::step::StepReport::chebyshev_fallbacks).
     Chebyshev {

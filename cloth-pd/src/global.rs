@@ -238,7 +238,7 @@ impl GlobalSystem {
                 .set_inverse(row, row, 1.0 - (diagonal + mass / dt / dt));
             is_known[vertex] = true;
         }
-        // A grabbed vertex stays where it is: a constraint.
+        // A grabbed vertex ends where its pin says, so its increment d is 0: a constraint.
         for &vertex in changed.iter().filter(|&&v| self.mass[v].is_none()) {
             self.update.push([(vertex as u32, 1.0)]);
         }

@@ -1,7 +1,8 @@
 //! Projective dynamics: implicit Euler by alternating local projections and one global solve with a constant matrix.
 //!
 //! # Example
-//! A sheet of 0.2 kg/m² held at two corners:
+//! A sheet of 0.2 kg/m² held at two corners. These are *prescribed* (pinned): such a vertex moves with the velocity
+//! that it is given, whatever the forces on it.
 //! ```
 //! use cloth_pd::cloth_core::{cloth::{Cloth, Membrane}, mesh::generate::{Diagonals, grid}};
 //! use cloth_pd::{PdSolver, State, StepInput, Stepper, Vec3};
@@ -62,9 +63,9 @@
 //! x, y and z alike and has a row per vertex and not three; it is factorised once, and an iteration costs the
 //! projections and one solve with the factor.
 //!
-//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring, a stitch and an
-//! attachment, where z is a length; rest area times the membrane modulus Y (N/m) for a triangle, so N m, as F has no
-//! dimension; D (N m) over an area, so N/m, for a hinge. It says what the step converges to, the same minimum that
+//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) where z is a length; rest area
+//! times the membrane modulus Y (N/m) for a triangle, so N m, as F has no dimension; the bending rigidity D (N m) over
+//! an area, so N/m, for a hinge. It says what the step converges to, the same minimum that
 //! Newton's method finds; the number of iterations only says how near. The triangle stores ½ Y ‖F − U Vᵀ‖² per area:
 //! Lamé parameters μ = Y/2 and λ = 0, so modulus Y and a Poisson's ratio of 0. Equal springs on the alternating grid
 //! have Y = 4k/3 and a ratio of 1/3.
@@ -90,13 +91,14 @@
 //!
 //! With the edge x₀ x₁, the tips x₂ and x₃, and the angles at rest α₀, α₁ of the first triangle and α₂, α₃ of the other
 //! at x₀ and x₁, a hinge has `q = (cot α₁ + cot α₃, cot α₀ + cot α₂, −(cot α₀ + cot α₁), −(cot α₂ + cot α₃))`, so that
-//! ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its fold θ without stretch; D is the bending rigidity (N m), A₀
-//! and A₁ are the areas of its triangles. For small θ a flat hinge stores ½ D e² θ²/(A₀ + A₁). A cylinder of curvature
-//! κ then stores ½ D κ² per area on equilateral triangles, and on the alternating grid along its lines; 1½ times that
-//! along its diagonals. q is the row K₀ of Bergou et al. (2006): Σ qᵢ xᵢ vanishes for every flat hinge. As q is
-//! constant and p = 0, the energy is quadratic, and its Hessian w qᵀq constant. That is bending as long as edges keep
-//! their lengths (isometric deformation); a stretched fold feels the stretch too. A hinge curved at rest compares
-//! lengths only, so a fold by its rest angle to the wrong side costs nothing either.
+//! ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and its fold θ without stretch. *Why:* the part of each triangle in
+//! Σ qᵢ xᵢ is a vector of length e at right angles to the edge, from the tip to the edge; in a flat hinge the two
+//! cancel. Of the areas A₀ and A₁ of its triangles a third is the edge's, `a = (A₀ + A₁)/3`: e θ/a is a curvature, and
+//! `½ (D/3) (e θ/a)² a = ½ D (e θ)²/(A₀ + A₁)` gives w ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge) has each
+//! step, after Bergou et al. 2006, whose K₀ is q). With D/3 a cylinder of curvature κ stores ½ D κ² per area on
+//! equilateral triangles, and on the alternating grid along its lines; 1½ times that along its diagonals. As q is
+//! constant and p = 0, the energy is quadratic, and its Hessian w qᵀq constant. A stretched fold feels the stretch too.
+//! A hinge curved at rest compares lengths only, so a fold by its rest angle to the wrong side costs nothing either.
 //!
 //! Both steps minimise, so `G` falls in every iteration with the whole matrix, from any start, without a line search:
 //! the frozen p bound the energy from above and touch it at x (majorise and minimise; `objective.rs` has by how much,
@@ -113,50 +115,51 @@
 //! φ(z). Its gradient is the p that makes it largest, so ∂p/∂z = ∇²φ, the Hessian of a convex function.
 //!
 //! # What the constant matrix loses, and how it is won back
+//! *The hanging sheet* of this page: 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, held at two corners and let go
+//! horizontally, in steps of 1/60 s.
+//!
 //! A is as stiff across a spring as along it, but across a spring near its rest length there is only k (1 − L/‖z‖).
 //! Near the minimum an iteration turns the error e into `e⁺ = (I − A⁻¹ ∇²G) e`. Motions that stretch springs are as
 //! stiff in ∇²G as in A: of their error little is left after one iteration. Motions that turn springs without
 //! stretching them, as falling and folding do, have little more than `m/Δt²` a vertex in ∇²G, but `m/Δt² + κ` in A, κ
 //! their stiffness in `Σ w SᵀS`. Of an error of that kind an iteration therefore leaves the fraction
-//! `1 − (m/Δt²)/(m/Δt² + κ) = κ/(m/Δt² + κ)`. On the alternating grid of spacing h a wave of wave number ξ, long beside
-//! h, has `κ ≈ 2 k (ξ h)²` a vertex, and `m = σ h²` for an areal density σ: `κ Δt²/m = 2 k ξ² Δt²/σ`.
+//! `1 − (m/Δt²)/(m/Δt² + κ) = κ/(m/Δt² + κ)`. On the alternating grid of spacing l a wave of wave number ξ, long beside
+//! l, has `κ ≈ 2 k (ξ l)²` a vertex, and `m = m_A l²` for a mass m_A per area: `κ Δt²/m = 2 k ξ² Δt²/m_A`.
 //!
-//! - *Of one wave* the factor does not depend on h: for the sheet below 0.9991 at a length of 1 m, 0.9995 at 0.74 m.
+//! - *Of one wave* the factor does not depend on l: for the hanging sheet 0.9991 at a length of 1 m, 0.9995 at 0.74 m.
 //! - *Shorter waves are slower*, 0.99999 at 0.1 m, and a finer mesh has shorter ones.
-//! - *But the longer ones are larger.* In the sixteenth step of that sheet (springs alone, 64 a side, from x̃) 99 % of
-//!   ‖e‖²_M after 30 plain iterations lies in the hat functions of a grid of 12 cells. From there to 300 iterations
-//!   that part of e falls to 0.46 of its size, the rest to 0.91.
+//! - *But the longer ones are larger.* In the sixteenth step of the hanging sheet (springs alone, 64 a side, from x̃)
+//!   99 % of ‖e‖²_M after 30 plain iterations lies in the hat functions of a grid of 12 cells.
 //!
 //! So few iterations leave two errors: the sheet falls too slowly, and folds are missing ([limits](#limits)). Three
 //! accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
-//!   spectral radius ρ of the plain iteration (0.9995 below: waves shorter than 0.74 m are slower, but small). Where
-//!   `G` would not fall, the plain iterate is taken.
+//!   spectral radius ρ of the plain iteration (0.9995 in the [table](#iterations): waves shorter than 0.74 m are
+//!   slower, but small). Where `G` would rise, the plain iterate is taken.
 //! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the initial inverse Hessian of `G`, the last few differences of
-//!   iterates and gradients (pairs s, y) improve it (L-BFGS), a line search with Armijo's condition enforces descent.
-//!   If a direction fails, a plain iteration is taken. [`PdSolver`] has the default's step as a list. (Not offered:
-//!   Anderson acceleration, Peng et al. 2018, which combines the last iterates likewise.)
+//!   iterates and gradients (the *pairs* s, y) improve it (L-BFGS), a line search with Armijo's condition enforces
+//!   descent. If a direction fails, a plain iteration is taken. (Not offered: Anderson acceleration, Peng et al. 2018,
+//!   which combines the last iterates likewise.)
 //! - **A coarse grid**, an additive two-level preconditioner of Schwarz type (Nicolaides 1987, Dryja and Widlund 1987;
 //!   for cloth on many levels Wu et al. 2022; in projective dynamics, with a subspace in the place of the grid, Lan et
 //!   al. 2024). The large slow motions are smooth: a few hundred unknowns on a lattice of trilinear hat functions
-//!   describe them, for which a Newton step is cheap. P is the prolongation, Pᵀ the restriction, H the Hessian where
-//!   the iteration starts, the negative eigenvalues of each element set to zero (`local.rs`), and `PᵀHP` the Galerkin
-//!   coarse operator. The initial inverse Hessian becomes `A⁻¹ + P V Pᵀ`, V a cycle of
-//!   [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`. A reduces what stretches springs, the grid the
-//!   smooth part of what turns them. Smooth *stretching* both reduce, so it is corrected up to twice: as H ≤ A, and
-//!   with an exact coarse solve, A⁻¹H and P V PᵀH have eigenvalues from 0 to 1, so their sum up to 2, and a step of
-//!   length 1 may turn such an error round. Pairs and line search mend that; scaled by ½, other errors would only be
-//!   halved. Rough folds neither reduces; they are left to the pairs.
+//!   describe them, for which a Newton step is cheap. P is the prolongation, Pᵀ the restriction, and `PᵀHP` the
+//!   Galerkin coarse operator. H is the Hessian where the iteration starts, of the elements that A has; the negative
+//!   eigenvalues of each I − ∂p/∂z are set to zero (*clamped*, `local.rs`). The initial inverse Hessian becomes
+//!   `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`. A reduces what
+//!   stretches springs, the grid the smooth part of what turns them. Rough folds neither reduces; they are left to the
+//!   pairs. Smooth *stretching* both reduce, so it is corrected up to twice: clamped, I − ∂p/∂z lies between 0 and the
+//!   I that A has, so 0 < H ≤ A. With an exact coarse solve A⁻¹H and P V PᵀH then have eigenvalues from 0 to 1, their
+//!   sum up to 2, and a step of length 1 may turn such an error round. Pairs and line search mend that.
 //!
 //! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add less
 //! than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the
 //! factor has less than half as many numbers without (at 128 vertices a side 0.5 million and not 1.3). The plain and
 //! the Chebyshev iteration have the whole matrix.
 //!
-//! A sheet of 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, 128 vertices a side, held at two corners and let go
-//! horizontally, falls 0.4989 m (centre of mass) in half a second at Δt = 1/60 s and is stretched by 2.46 % at most, as
-//! converged Newton has it. In 10 iterations a step:
+//! The hanging sheet, with 128 vertices a side, falls 0.4989 m (centre of mass) in half a second and is stretched by
+//! 2.46 % at most, as converged Newton has it. In 10 iterations a step:
 //!
 //! | | fall (m) | stretch (%) |
 //! |---|---|---|
@@ -168,21 +171,13 @@
 //! part of the error is gone the grid helps no more: the last digits take as many iterations as without it, or more.
 //!
 //! # Equations
-//! ```text
-//! u ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + u
-//! q ← 0, Δt v or u; so many times:                                 x = x[0] + q
-//!     p ← project(S x), every element for itself
-//!     g ← M (q − u)/Δt² + Σ w Sᵀ(S x − p)                          ∇G
-//!     solve (M/Δt² + Σ w SᵀS) d = g,   q ← q − d
-//!     (or the accelerated direction)
-//! x[1] ← x[0] + q,   v[1] ← q/Δt
-//! ```
-//!
-//! The global step is often printed for x itself; for the displacement q (not the qᵢ of a hinge) it is the same
-//! equation. Neither positions nor predictions are subtracted, so free fall loses no digits, and where a long step
-//! rounds `M/Δt²` away, held cloth ends at rest. A prescribed vertex has q = u from the start, so its increment d is 0:
-//! its row and column are left out (in the code those of the identity, so that a release keeps the pattern), and what
-//! it does to its neighbours is in g. `Σ w SᵀS` is positive semi-definite for weights ≥ 0; M makes A positive definite.
+//! The step as a list is at [`PdSolver`], as loops over arrays in `examples/first_program.rs`. The code iterates on the
+//! displacement `q = x − x[0]` (not the qᵢ of a hinge), with `u = x̃ − x[0] = Δt v[0] + Δt² M⁻¹ f_ext`:
+//! `g = M (q − u)/Δt² + Σ w Sᵀ(S x − p)`, `A d = g`, `q ← q − d`, and `v[1] = q/Δt` at the end. Neither positions nor
+//! predictions are subtracted, so free fall loses no digits, and where a long step rounds `M/Δt²` away, held cloth ends
+//! at rest. A prescribed vertex has q = u from the start, so its increment d is 0: its row and column are left out (in
+//! the code those of the identity, so that a release keeps the pattern), and what it does to its neighbours is in g.
+//! `Σ w SᵀS` is positive semi-definite for weights ≥ 0; M makes A positive definite.
 //!
 //! | equation | where |
 //! |---|---|
@@ -191,14 +186,13 @@
 //! | the same on threads, in batches, over structure-of-arrays buffers | `vertex_blocks.rs`, `batch.rs`, `deinterleaved.rs` |
 //! | the same where p is constant: a matrix | `quadratic.rs` |
 //! | `G`, `∇G` | `objective.rs` |
-//! | A = M/Δt² + Σ w SᵀS | `matrix.rs` |
-//! | what quasi-Newton leaves out of it | `matrix.rs` |
+//! | A = M/Δt² + Σ w SᵀS, and what quasi-Newton leaves out of it | `matrix.rs` |
 //! | its factor, and what changes it | `global.rs`, [`WoodburyUpdate`] |
 //! | the global step, A d = g (in `quasi_newton.rs` and `newton.rs` d is the direction, −A⁻¹g) | [`PanelFactor::solve`] |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | L-BFGS (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs`, [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory) |
-//! | `H + Σ k J Jᵀ` with active contacts; `A + Σ k J Jᵀ` | `newton.rs`; `contact.rs` |
-//! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
+//! | `H + Σ k J Jᵀ` with active contacts, H of all elements; `A + Σ k J Jᵀ` | `newton.rs`; `contact.rs` |
+//! | `P V Pᵀ`; H of the elements that A has | `lattice.rs`, `coarse.rs`; `local.rs` |
 //! | u = `(v + a * dt) * dt` (in `begin`) and, with it, x̃ | `objective.rs` |
 //! | the loop, the velocities | [`PdSolver`], `solver.rs` |
 //!
@@ -208,8 +202,9 @@
 //! the local step compute the same for many elements at once, to 10⁻¹⁴ of the largest force (`tests/chapter/local.rs`).
 //!
 //! # Iterations
-//! The sixteenth step of that sheet, from x̃, until `(G − G*)/(G(x̃) − G*)` is below an error
-//! (`cargo run --release -p cloth-bench -- study projective`; all of that up to `--` is meant by `cloth-bench` below):
+//! The sixteenth step of the hanging sheet, from x̃, until `(G − G*)/(G(x̃) − G*)`, the relative error of `G`, is below
+//! a bound (`cargo run --release -p cloth-bench -- study projective`; all of that up to `--` is meant by `cloth-bench`
+//! below):
 //!
 //! | vertices a side | | to 10⁻² | to 10⁻⁴ | to 10⁻⁶ |
 //! |---|---|---|---|---|
@@ -228,29 +223,16 @@
 //!
 //! Without a coarse grid, too, the number of iterations does not grow with the resolution, contrary to what is often
 //! said: the long waves, which have most of ‖e‖²_M, are the same on each mesh, with the same factor. It does depend on
-//! the stiffness, though not in order (each is another step, with other folds): to 10⁻⁴ at 32 a side plain iterations
-//! take 698 at 10² N/m, more than 3000 at 10³, 2625 at 10⁴ and more than 3000 at 10⁵.
+//! the stiffness: to 10⁻⁴ at 32 a side plain iterations take 698 at 10² N/m, 2625 at 10⁴, and more than 3000 at 10⁵.
 //!
 //! # Cost
-//! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
-//! is faster than the memory gives them. The local step reads a rest length and a stiffness (16 bytes) a spring where
-//! springs are in structure-of-arrays buffers (`deinterleaved.rs`), and reads or writes 72 bytes a vertex
-//! (`cargo bench -p benches --bench projective -- "local step"` has its time).
-//!
-//! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending
-//! energy (11 a row), an iteration moves `16 f` bytes for the solve, `16 e + 72 n` for the springs, `12 b + 64 n` for
-//! the bending, about `200 n` for the rest of the objective, and for L-BFGS `100 n`, with `96 n` more for each pair. At
-//! 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 3 MB, 3 MB and, with two pairs, 5 MB.
-//! The factor is Cholesky's, ordered by minimum degree or nested dissection, whichever takes less work; `global.rs` has
-//! its fill, what factorising costs in solves, and where memory ends. A large factor is cut into subtrees of its
+//! Memory decides the time of an iteration. At 128 vertices a side, with the bending left out of the matrix, it moves
+//! about 9 MB for the solve (`panel.rs`), 2 MB for springs, 3 MB for bending (`quadratic.rs`), 3 MB for the rest of the
+//! objective and, with two pairs, 5 MB for L-BFGS (`cargo bench -p benches --bench projective` has the times). The
+//! factor is Cholesky's, ordered by minimum degree or nested dissection, whichever takes less work; `global.rs` has its
+//! fill, what factorising costs in solves, and where memory ends. A large factor is cut into subtrees of its
 //! elimination tree, which threads can solve side by side. All loops are compiled for wide registers too
 //! ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
-//!
-//! The solve is a supernodal triangular solve with three right-hand sides (`panel.rs`). It is our own, not that of
-//! faer, since memory decides its time: [`PanelFactor`] reads the factor twice for x, y and z together and not twice
-//! for each. It takes 48 µs for faer's 280 at 64 vertices a side, 270 for 1220 at 128, and 2.3 ms for 16 at 256
-//! (without bending, least of many, one thread of a busy 2-core AMD EPYC Zen 4 VM, commit e1abe3f; with bending:
-//! `cargo bench -p benches --bench projective -- "projective solve"`).
 //!
 //! # Pin and drag
 //! To drag, call [`PdSolver::prescribe`]: changing your `Particles` does nothing, the solver has a copy. Before every
@@ -272,9 +254,9 @@
 //! quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`. The crate `cloth-collide` has it:
 //! `PotentialContacts::builder(&mesh).obstacle(body, μ).friction(μ).build()?` once, then `.contacts(&mut contacts)` on
 //! every `StepInput`. `obstacle` takes the friction on a body, `friction` that of cloth on cloth, and self-collision is
-//! on unless `.self_collision(false)`. The normal part is a sum of A ψ(d) over the pairs that are near: d (m) is their
-//! distance and A the area that the pair stands for. With the thickness h (m; for two edges half of it) and the
-//! stiffness κ_c (Pa/m) of contact, and ψ, ψ′ and ψ″ continuous at h/2,
+//! on unless `.self_collision(false)`. The normal part is a sum of a ψ(d) over the primitives that are near each other:
+//! d (m) is their distance and a the area that they stand for. With the thickness h (m; for two edges half of it) and
+//! the stiffness κ_c (Pa/m) of contact, and ψ, ψ′ and ψ″ continuous at h/2,
 //! ```text
 //! ψ = ½ κ_c (h − d)²                from h down to h/2; nothing beyond h
 //! ψ = ¼ κ_c h² (½ − ln(2d/h))       below h/2: a barrier, infinite at d = 0
@@ -335,13 +317,15 @@
 //! - **A hinge needs two rest areas.** One made by hand whose A₀ + A₁ is 0 is refused when building (`OutOfRange`); one
 //!   area of 0 the first step finds: `NotPositiveDefinite`, or `NonFinite` at prescribed vertices.
 //! - **Cloth that no pin holds is no error**, nor is a part of it: it falls, with its momentum kept (`components.rs`).
-//! - **No convergence is no error.** As in `cloth-massspring`, a step has
-//!   [`Converged`](cloth_core::step::Outcome::Converged) where, as its Newton decrement estimates, the change of
-//!   velocity is right to the tolerance asked for ([`PdConfig::velocity_tolerance`], with how near that is), where
-//!   [`PdConfig::tolerance`] is met, and the report has the residual, where forces in contact balance to 10⁻⁵ (10⁻⁸
-//!   with a given number of iterations), where the cloth flies freely and where nothing can move. Else it is
-//!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent): after a given number of iterations, after a failed line
-//!   search in contact, and at `most_iterations`, which counts as
+//! - **No convergence is no error.** A step is [`Converged`](cloth_core::step::Outcome::Converged)
+//!   - by default (neither `iterations` nor `tolerance` given) where the Newton decrement meets
+//!     [`PdConfig::velocity_tolerance`], which has how near that is, and where the cloth flies freely;
+//!   - with a [`PdConfig::tolerance`] where the residual, which is then in the report, meets it;
+//!   - without one, where forces in contact balance to 10⁻⁵ (10⁻⁸ with a given number of iterations);
+//!   - where nothing can move.
+//!
+//!   Else it is [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent): after a given number of iterations, after a
+//!   failed line search in contact, and at `most_iterations`, which counts as
 //!   [`unfinished`](cloth_core::step::StepReport::unfinished).
 //!
 //! # Threads
@@ -419,33 +403,39 @@
 //! # Limits
 //! - There is no Rayleigh or strain-rate damping, only that of implicit Euler, which divides the energy of a mode of
 //!   angular frequency ω by `1 + (ω Δt)²` in a step: a swing of 1 s loses half of it in 1.06 s at Δt = 1/60 s, in 4.2 s
-//!   at 1/240. For more, scale the velocities between steps, or hand over the air, `StepInput::air`: quasi-Newton
-//!   iterations have `½ Δt (v − v[0])ᵀ D (v − v[0])` in G, D its drag ([`cloth_core::air`]), plain and Chebyshev
-//!   iterations without contact its force at the start of the step, bounded as if nothing held the cloth, so that it
-//!   does not turn the flow round: held cloth may feel too little.
-//! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon reached and says
-//!   little: plain, truncated there, the sheet above floats. Check the fall beside the stretch first.
+//!   at 1/240. *For less* take shorter steps. BDF2 and the midpoint rule are minimisations with the same matrix but for
+//!   the time in it (`cloth-massspring` has both); they are not offered. What iterations cut short lose
+//!   ([below](#when-not-to-use-this-method)) would come on top. *For more* scale the velocities between steps, or hand
+//!   over the air, `StepInput::air`. Quasi-Newton iterations have `½ Δt (v − v[0])ᵀ D (v − v[0])` in G, D its drag
+//!   ([`cloth_core::air`]). Plain and Chebyshev iterations without contact have its force at the start of the step,
+//!   which a bound keeps from reversing the flow past a free triangle. The bound does not know what is held: cloth that
+//!   is held may feel less than the pressure.
+//! - The plain iteration converges linearly, slowly for stiff cloth. A relative error of 10⁻² in `G` is soon reached
+//!   and says little: truncated there, the hanging sheet floats. Check the fall beside the stretch first.
 //! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Ten, with a coarse
 //!   grid of 12 cells, follow the first half second of the hanging sheet closely. Over five seconds its swinging dies
 //!   away sooner than it should ([below](#when-not-to-use-this-method)), and a light, stiff sheet (0.3 m, 0.1 kg/m²,
 //!   4.8·10⁴ N/m, 1/120 s) falls by half of what it should. So the default goes on, from ten to 300 iterations, until
-//!   its Newton decrement is a twentieth of the change of velocity ([`PdConfig::velocity_tolerance`]).
+//!   its Newton decrement `√(∇Gᵀ B ∇G)`, B the inverse Hessian that it has, is a twentieth of the change of velocity
+//!   ([`PdConfig::velocity_tolerance`]).
 //!
-//!   *Why.* Folds are missing. A fold moves some vertices across the cloth and others a little along it, so that no
-//!   spring is stretched. The matrix is as stiff across a spring as along it, and the hats of a grid are too wide for
-//!   the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's
-//!   method, for which three iterations are enough. So folds go on with the velocity that they have, and what should
-//!   have bent is compressed.
+//!   *Why.* Folds are missing. Take three vertices in a row, the outer two pushed together: the middle one has to move
+//!   sideways, which stretches nothing. The matrix resists that as if it stretched both springs, so an iteration moves
+//!   it by a small fraction of the way, and until it is there the springs are compressed. A coarse grid helps only
+//!   where a fold is as wide as its cells: one of half the resolution of the cloth does no better, one as fine as the
+//!   cloth is Newton's method, for which three iterations are enough.
 //!
-//!   *One instant misleads.* Rounding alone (another order of adding up the springs) moves the largest stretch at the
-//!   last step between −28 and −0.2 % (10 cells), the mean kinetic energy between −44 and −52 %: compare means.
+//!   *One instant misleads.* In the first row of the table below rounding alone (another order of adding up the
+//!   springs) moves the last step's largest stretch between −28 and −0.2 %, the mean kinetic energy between −44 and
+//!   −52 %: compare means.
 //! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])` where no pin or body
 //!   moves: one that ends above is taken again, which the hanging sheet never needs. With W the sum of the elastic
-//!   energy and that of gravity, this says `W(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ W(x[0]) + ½ ‖v[0]‖²_M`. So a tangle cannot
-//!   store more than the whole energy before. Where E is convex and the step ends at the exact minimum of `G`,
-//!   `½ ‖v[1]‖²_M` may be added on the left: no energy is gained. Plain and Chebyshev iterations from there, and all
-//!   from x̃, have no such safeguard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped,
-//!   hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced.
+//!   energy and that of gravity, this says `W(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ W(x[0]) + ½ ‖v[0]‖²_M`. So a tangle (cloth
+//!   so crumpled that iterations do not get far) cannot store more than the whole energy before. Where E is convex and
+//!   the step ends at the exact minimum of `G`, `½ ‖v[1]‖²_M` may be added on the left: no energy is gained. Plain and
+//!   Chebyshev iterations from there, and all from x̃, have no such safeguard; ended early they can feed a tangle. With
+//!   the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a point, on a line, mirrored, random,
+//!   blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
 //!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, an error of 10⁻² takes
 //!   32 iterations with it and 7 without any acceleration.
@@ -456,9 +446,12 @@
 //!   full step. Angular momentum is not: implicit Euler does not conserve it (`components.rs` has both).
 //! - Only energies of the form above: springs, stitches, hinges that are flat at rest (of vertices or, as
 //!   [`MidpointHinge`](cloth_core::energy::MidpointHinge), of the midpoints of edges) or curved, as-rigid-as-possible
-//!   triangles and tetrahedra, strain limits, attachments. Not offered: energies whose stiffness varies, and the
-//!   hyperelastic ones of Liu et al. (2017), whose w is in A only.
-//! - Isotropic materials only: no moduli of their own along warp and weft. (Springs made by hand may each have a k.)
+//!   triangles and tetrahedra, strain limits, attachments. (A strain limit of a spring with the range [0, L] resists
+//!   tension only.) Not offered: energies whose stiffness varies, and others such as StVK, orthotropic or hyperelastic
+//!   ones. For these A only preconditions: it has to be symmetric and positive definite, then −A⁻¹∇G leads down, and a
+//!   line search makes `G` fall (Liu et al. 2017, whose w is fitted to the stress and is in A only). Without one
+//!   `A ≥ ∇²G` would have to hold.
+//! - Isotropic materials only. (Springs made by hand may each have a k.)
 //! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
 //! - A matrix in which elimination cancels all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m`
@@ -499,8 +492,9 @@
 //!
 //! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd`, `--set iterations=10`, or `iterations=18` and
 //! `coarse=16`, or `--method implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5`
-//! and `--set start=inertial`.) Projective dynamics is 1.6 times as fast or more, and keeps most of the swing, but its
-//! error does not become small: for 1.7 times its time the energy is right, and folds are bent, not compressed.
+//! and `--set start=inertial`.) The default is 1.6 to 2 times as fast and keeps most of the swing, but its elastic
+//! energy is three to five times too large, as what should fold is compressed. Three Newton iterations have the kinetic
+//! energy within 4 % and the elastic one within 17 %.
 //!
 //! In contact these times do not hold, and `truncated` is refused; `cloth-bench study decision` has a table with
 //! contact. To the last digits Newton's method (`cloth-massspring`) gets in a dozen iterations. Other cases:
@@ -547,7 +541,8 @@
 //!   simulation", ACM Trans. Graph. 41(4), 63, 2022, <https://doi.org/10.1145/3528223.3530085>; L. Lan et al.,
 //!   "Efficient GPU cloth simulation with non-distance barriers and subspace reuse", ACM Trans. Graph. 43(6), 2024,
 //!   <https://arxiv.org/abs/2403.19272>.
-//! - Y. Peng et al., "Anderson acceleration", ACM Trans. Graph. 37(4), 42, 2018, <https://doi.org/10.1145/3197517.3201290>.
+//! - Y. Peng et al., "Anderson acceleration", ACM Trans. Graph. 37(4), 42, 2018,
+//!   <https://doi.org/10.1145/3197517.3201290>.
 //! - R. Narain, M. Overby, G. E. Brown, "ADMM ⊇ projective dynamics", SCA 2016, <https://doi.org/10.2312/sca.20161219>;
 //!   M. Overby et al., IEEE TVCG 23(10), 2017, <https://doi.org/10.1109/TVCG.2017.2730875>: hyperelastic energies.
 //! - M. Fratarcangeli, V. Tibaldo, F. Pellacini, "Vivace", ACM Trans. Graph. 35(6), 2016,

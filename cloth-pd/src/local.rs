@@ -55,7 +55,8 @@
 //!
 //! One below zero belongs to a compressed element, whose energy falls when it turns. For H it is set to zero
 //! ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)), element by element, so each adds a positive
-//! semi-definite matrix, and `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z)₊ S` is positive definite, at least M/Δt² and at most A.
+//! semi-definite matrix, and `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z)₊ S` is positive definite, at least M/Δt², and at most
+//! `M/Δt² + Σ w SᵀS` over the same elements: A, for the elements that A has.
 
 use crate::batch::{BATCH_SIZE, projected_hessians_on_spheres, unpacked};
 use crate::global::Term;

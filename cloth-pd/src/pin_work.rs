@@ -6,10 +6,12 @@
 //!
 //! f = Σ w Sᵀ(S x⁺ − p) = ∂E/∂x + Σ w SᵀS (x⁺ − x),
 //!
-//! and it is in balance with the momentum of x⁺ whatever p is: M (x⁺ − x̃)/Δt² = −f at free vertices. Of elements whose
-//! rows of S sum to zero the f over all vertices add up to zero (attachments and the like push from outside), so at
-//! prescribed ones f is what moves the cloth. x⁺ itself is near x long before the forces are, since the matrix knows
-//! how stiff the edges are.
+//! with x⁺ = x − A⁻¹g. It is in balance at free vertices whatever p is: there A (x⁺ − x) = −g, in which
+//! g = M (x − x̃)/Δt² + ∂E/∂x + r. Here r is what else pushes, ∇C of contact and D (v − v₀) of the air where G has
+//! them, both at x. With A = M/Δt² + Σ w SᵀS that is M (x⁺ − x̃)/Δt² = −f − r. Of elements whose rows of S sum to zero
+//! the f over all vertices add up to zero (attachments and the like push from outside), so f at prescribed vertices is
+//! the force with which these move the cloth. x⁺ is near x long before the forces are right, since A knows how stiff
+//! the edges are. (What contact does at a prescribed vertex is not counted.)
 
 use crate::contact::Contact;
 use crate::solver::PdSolver;

@@ -29,8 +29,8 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 /// 3. With a coarse grid: H at x, `PᵀHP` and the levels of its cycle V.
 /// 4. The local step: p of every element, with it `G` and g = ∇G at x. In free fall (no force but gravity and load) the
 ///    step is done.
-/// 5. Direction d = −B g: the two loops of L-BFGS over the last two pairs, and between them the global step `A⁻¹ r`,
-///    with a coarse grid and `P V Pᵀ r`.
+/// 5. Direction d = −B g: the two loops of L-BFGS over the last two pairs (step 7), and between them the global step
+///    `A⁻¹ r`, plus `P V Pᵀ r` with a coarse grid.
 /// 6. Line search: x ← x + t d, t = 1 or the first shorter one of at most twelve at which `G` has fallen enough
 ///    (Armijo). Each trial is a local step; that of the accepted one serves the next iteration. If d ascends, or none
 ///    will do, the pairs are cleared, and d = −A⁻¹ g.
@@ -82,26 +82,24 @@ enum Method {
 const DECREASE_WINDOW: usize = 5;
 /// Least number of iterations in a step that goes on until it is near enough, and the number in one that does not know.
 const MIN_ITERATIONS: u32 = 10;
-/// Least number where pins, bodies or forces drive the cloth and nothing touches: with ten a ball that comes to rest in
-/// a net is held with 0.8 % too little, with twenty with less than 0.1 %.
+/// Least number where pins, bodies or forces drive the cloth and nothing touches: the force that holds a ball at rest
+/// in a net is then right to 0.1 %, with ten to 0.8 %.
 const MIN_ITERATIONS_DRIVEN: u32 = 20;
 /// Least number in a step with contact where directions are those of the constant matrix.
 const MIN_ITERATIONS_IN_CONTACT: u32 = 30;
-/// Factor on the tolerance with active contacts. A cloth of 1 kg/m² that lands on a ball, and is stopped within a step,
-/// keeps 0.35 J of kinetic energy with all of it, 1.1 J with a half, 1.3 J with this; converged, 1.3 to 1.4 J.
+/// Factor on the tolerance with active contacts: with all of it cloth that lands on a ball loses three quarters of the
+/// kinetic energy that it should keep, with this hardly any.
 const CONTACT_TOLERANCE_FACTOR: Real = 0.3;
 /// In the first directions of Newton's method, fewer than this many, a step ends only at this fraction of the
 /// tolerance: where they converge fast, a few more cost little. The tolerance is relative to all forces, among them
-/// those that friction or a body balances, beside which what slides is small. With the whole tolerance from the start a
-/// towel slid 4.6 % less far from its rail, with this fraction 0.2 %.
+/// those that friction or a body balances, beside which what slides is small.
 const EARLY_NEWTON_ITERATIONS: u32 = 16;
 const EARLY_TOLERANCE_FACTOR: Real = 0.1;
-/// Factor on the tolerance without active contacts. Ten iterations a step leave a light, stiff sheet (0.3 m, 0.1
-/// kg/m², 4.8·10⁴ N/m, steps of 1/120 s) at half of its fall, with all of the tolerance it falls 0.6 to 1 times as far
-/// as it should, with this 0.9 to 1.1 times.
+/// Factor on the tolerance without active contacts. With all of it the light, stiff sheet of the [limits](crate#limits)
+/// falls 0.6 to 1 times as far as it should, with this 0.9 to 1.1 times.
 const NO_CONTACT_TOLERANCE_FACTOR: Real = 0.5;
 /// Factor on the tolerance where pins move: strain that a step leaves where a pin has pulled adds up over the steps.
-/// With all of it a towel whose ends are turned takes 13 times the work that it should, with this 1.7 times.
+/// With all of it a towel whose ends are turned takes 13 times the work that it should, with this about twice.
 const MOVING_PIN_TOLERANCE_FACTOR: Real = 0.3;
 
 impl Stepper for PdSolver {
@@ -425,12 +423,13 @@ impl PdSolver {
     /// `x[0]` has that; one that goes on with the velocity can end above it, where the cloth is so tangled that the
     /// iterations do not get far, and a tangle fed in every step never rests.
     ///
-    /// Values of `G` are known up to a constant of the step ([`Objective`]): inertia and the energy of the families of
-    /// constant projection count from `x[0]`, with 0 there. So the value at `x[0]` is the energy of all other elements,
-    /// of attachments that came later and of contact, none of them negative: an end whose value is at most 0 is not
-    /// above `x[0]`, and is kept without a comparison. The fallback is `x[0]`, of value 0 or more, but in three cases.
-    /// In these its value may be below 0, and then an end with a value between the two is kept, though the fallback is
-    /// lower:
+    /// *A test that saves an evaluation.* Values of `G` leave out a constant of the step ([`Objective`]), such that
+    /// inertia and the energy of the families of constant projection are 0 at `x[0]`. All other energies are never
+    /// negative, so the value at `x[0]` is at least 0. An end with a value of at most 0 is therefore not above `x[0]`,
+    /// and is kept at once; any other is compared with the fallback.
+    ///
+    /// The fallback is not quite `x[0]` in three cases. There its value may be below 0, and an end of at most 0 that is
+    /// kept may be above it:
     /// - A free component without contact has moved as its momentum takes it, its mean (by mass) by ū. That changes no
     ///   elasticity and lowers the value by `m ‖ū‖²/(2Δt²)`, m its mass. `G(x[1]) ≤ G(x[0])` still holds.
     /// - A pin moves: the families of constant projection may store less at the fallback than at `x[0]`. The end that
