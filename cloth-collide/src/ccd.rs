@@ -73,13 +73,14 @@ use cloth_core::math::Real;
 /// | the differences stay farther than d from the origin along an axis | 0 |
 /// | sliding: all move as one, in the plane of the face or along parallel edges | 1 |
 /// | all move as one, on course for a face | 2, but for rounding |
-/// | all move as one and graze, at a distance δ > d | 2 for d = 0; about 2 + ½ log₂(δ/2(δ − d)) for d > 0 |
+/// | all move as one and graze, at a distance δ > d | 2 for d = 0; about 2 + ½ log₂(δ/(2(δ − d))) for d > 0 |
 /// | the direction turns, on course for a face | quadratic convergence |
 /// | the direction turns, a graze at δ, d = 0 | about log₂ √(size/δ): 27 where `f64` ends, 48 where twice the digits end |
 ///
 /// Edges that are parallel are no special case: any of their nearest points gives the same n, and only n is used. In
-/// the fourth row let a be the path left to the nearest moment. Along the direction to the nearest point, a steady one,
-/// the motion is certified until a has become (d √(a² + δ²) − δ²)/a. For d = 0 that is negative: the first step passes.
+/// the fourth row let a be the length of path left to the place where the two are nearest. The direction of a step is
+/// that to the nearest point at its start, and certifies the motion until the length that is left is
+/// (d √(a² + δ²) − δ²)/a. For d = 0 that is negative: the first step passes.
 /// For d > 0 it is about a/2 − δ (δ − d)/a once a is below δ: a is halved until a² < 2 δ (δ − d). In the last row a
 /// cubic nearly has a double root. Its control polygon begins along its tangent, which meets zero half of the way to a
 /// double root. So what is left of the time, τ, is halved until τ² is as small as δ/size.

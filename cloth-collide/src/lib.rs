@@ -21,42 +21,47 @@
 //!
 //! **Measuring** is no stage of a step, but tells afterwards what became of it. [`SeparationProbe`] counts the pairs of
 //! triangles that meet apart from the vertices and edges that they share, decided exactly, and gives the smallest
-//! distance. Two triangles that do not meet are nearest either at a vertex of one and some point of the other, or at a
-//! point of an edge of each, so it is the smallest of 6 vertex–triangle and 9 edge–edge distances, d(A, B) = min ( min
-//! |v − T|, min |e − f| ).
+//! distance. Two triangles that do not meet are as far apart as the least of 6 vertex–triangle and 9 edge–edge
+//! distances, d(A, B) = min ( min |v − T|, min |e − f| ). For the line between two nearest points is at right angles to
+//! each face or edge that one of them is inside of. So where one is inside a face, both can slide along at the same
+//! distance, until the one is on the border of its face or the other at a vertex.
 //!
 //! # Between two moments
 //!
 //! A vertex at 10 m/s moves 17 cm in a sixtieth of a second, a hundred times the thickness of a cloth. It is on one
 //! side at one moment and on the other at the next, and the two moments alone do not show that it passed. So the motion
 //! in between is tested: all vertices move linearly, and the question is the first time at which a vertex and a
-//! triangle, or two edges, are at distance 0 (or d). Vertices and triangles alone are not enough: two edges can cross
-//! with all four of their ends in the clear.
+//! triangle, or two edges, are at distance 0 (or d). When two triangles first touch, one of these 15 distances is 0, as
+//! above. Vertices and triangles alone are not enough: two edges can cross with all four of their ends in the clear.
 //!
 #![doc = include_str!("../doc/crossing-edges.svg")]
 //!
 //! Both are one question: when does a moving polygon, of the differences of a vertex to the corners of a triangle or of
 //! the ends of two edges, contain the origin? [`ContinuousTest`] steps through time from one plane that has the polygon
-//! on one side to the next, and misses no contact. The textbook method is the other one round: it looks for the times
-//! at which the four vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀ in those differences, and then
-//! for contact there. The differences are linear in t, so this is a cubic (Provot 1997): up to three times in [0, 1],
-//! at each of which barycentric weights tell a contact from a miss. It is short and fast. But a graze is a double root,
-//! which rounding splits or loses, and a tolerance that finds it reports passes as contacts (Wang et al. 2021); and
-//! what stays in one plane makes the cubic vanish. `cloth-bench ccd` tells which method errs how often, on queries for
-//! which the answer is known exactly.
+//! on one side to the next, and misses no contact. The textbook method is the other one round (Provot 1997): it looks
+//! for the times at which the four vertices are in one plane, and then for contact there. With three of the differences
+//! x_k = a_k + t b_k and |x y z| = x · (y × z) these are the roots of |x₀ x₁ x₂|, a cubic c₀ + c₁ t + c₂ t² + c₃ t³ of
+//!
+//! c₀ = |a₀ a₁ a₂|, c₁ = |b₀ a₁ a₂| + |a₀ b₁ a₂| + |a₀ a₁ b₂|,
+//! c₂ = |a₀ b₁ b₂| + |b₀ a₁ b₂| + |b₀ b₁ a₂|, c₃ = |b₀ b₁ b₂|.
+//!
+//! At each of up to three roots in [0, 1] the nearest points tell a contact from a miss: w_b, w_c ≥ 0 and w_b + w_c ≤ 1
+//! in a triangle, s and t of two edges from 0 to 1 (the [table](#equation--function)). It is short and fast. But a
+//! graze is a double root, which rounding splits or loses, and a tolerance that finds it reports passes as contacts
+//! (Wang et al. 2021); and what stays in one plane makes the cubic vanish. `cloth-bench ccd` counts the errors of each.
 //!
 //! # Contact in the solve
 //!
 //! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods; the
-//! chapter is [`potential`]. What is nearer than the thickness h is pressed apart by a *potential* Σ A ψ(d), whose
-//! forces are equal and opposite. *Detection* finds the pairs that can come so near within a step, by bounds on the
-//! motion of patches. A method takes them as an energy or as constraints: both rest at h − ρ g/κ on a body if ρ g ≤ κ
-//! h/2, and no number is tuned for one of them. Since a potential cannot tell the sides of a sheet apart, a *filter*
-//! tests every displacement over the whole of its path. An iteration that minimises and finds no safe path stays where
-//! it is. A substep that projects has to end somewhere, and has a *last resort* of three stages: pairs are pushed apart
-//! one by one, then vertices that would still cross move as one rigid body, and at last vertices stay where the substep
-//! began. All of that is reported ([`ConstraintReport`](potential::ConstraintReport)). So a step is either free of
-//! crossings or refused: [`PotentialContacts`](potential::PotentialContacts) has what exactly is guaranteed.
+//! chapter is [`potential`]. A vertex that is nearer than the thickness h to a body or to other cloth is pressed away
+//! by a potential Σ A ψ(d), whose forces are equal and opposite. Edges push from h/2 on, and neighbours in the mesh
+//! from no farther than their distance at rest. A method takes the potential as an energy or as constraints: both rest
+//! at h − ρ g/κ on a body if ρ g ≤ κ h/2, and no number is tuned for one of them. Since a potential cannot tell the
+//! sides of a sheet apart, every displacement is tested over the whole of its path. An iteration that minimises and
+//! finds no safe path stays where it is. A substep that projects has to end somewhere: after harder sweeps and
+//! shortened paths it has the [last resort](potential#for-methods-that-project-positions), and reports it. So a step is
+//! either free of crossings or refused: [`PotentialContacts`](potential::PotentialContacts) has what exactly is
+//! guaranteed.
 //!
 //! The naive loops are three examples, each compared with the crate: `examples/first_program.rs`, the vertices before a
 //! floor and a ball; `examples/naive_pairs.rs`, all pairs of two sheets; `examples/naive_sweep.rs`, sweeps over
@@ -80,11 +85,9 @@
 //!
 //! From 8192 vertices on, with the feature `parallel` of `cloth-core`, three things run on several threads: the
 //! detection of pairs of primitives between patches, the constraints that are made of them, and the continuous tests of
-//! these; all else runs on the thread that calls. A thread fills the lists of its own pairs of patches, and each list
-//! is sorted by d − h and then by vertices; of what threads find only whole numbers are added up, of detections and of
-//! violated constraints. Sums and sweeps go through these lists one after the other, without colours; the order
-//! matters, to rounding in sums, and in sweeps because they are Gauss–Seidel. So results are the same bits whatever the
-//! number of threads, and the same on every run (`cloth-bench/tests/contract/thread_parity.rs`).
+//! these; all else runs on the thread that calls. A thread fills and sorts the lists of its own pairs of patches, and
+//! sums and sweeps go through these lists one after the other. So results are the same bits whatever the number of
+//! threads, and the same on every run (`cloth-bench/tests/contract/thread_parity.rs`).
 //!
 //! # Meshes
 //!
@@ -98,7 +101,7 @@
 //!
 //! 1. A file in `obstacle/` with a type that implements [`SignedDistance`](obstacle::SignedDistance): the distance and
 //!    the outward normal at a point in the frame of the shape, whether φ is convex, and a box around it. No second
-//!    derivative: Hessians have ψ″ n nᵀ alone. A constructor that returns [`ObstacleError`](obstacle::ObstacleError)
+//!    derivative: Hessians have ψ″ ∂φ ∂φᵀ alone. A constructor that returns [`ObstacleError`](obstacle::ObstacleError)
 //!    for sizes that make no shape. `sphere.rs` is short enough to copy.
 //! 2. Its line in the table of [`obstacle`]. Motion, moving frames and the continuous test are
 //!    [`Obstacle`](obstacle::Obstacle)'s, friction and work [`potential`]'s; they need nothing.
@@ -116,15 +119,14 @@
 //! # When not to use it
 //!
 //! - Cloth that can touch nothing: leave contact out, and no code of this crate runs. With it, a sheet in free fall
-//!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`). What
-//!   a step takes without contact and with it stands in `cloth-bench/doc/results.md`.
+//!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`).
 //! - A floor alone, far from any fold: an element with a penalty on the vertices
 //!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
 //! - Bouncing with methods that minimise: [restitution](potential::PotentialBuilder::restitution) is for those that
 //!   project positions.
 //! - Layers in their tens at rest: forces travel through a stack one layer an iteration, and methods cut short at a
 //!   fixed number of iterations leave them out of balance.
-//! - A start that crosses: [`untangle`] first, or let a run do it.
+//! - A start that crosses: [`untangle`] first.
 //!
 //! # Equation → function
 //!

@@ -28,6 +28,12 @@
 //! that they have at rest, where that is less than h (of edges h/2). So a flat sheet at rest is not pressed by itself,
 //! even if h is longer than its edges.
 //!
+//! What shares a vertex is at distance 0 always, so it has no ψ and no test. No crossing is missed for that. Two
+//! triangles with one common vertex meet elsewhere only if the side opposite to it of one meets the other; two with a
+//! common side only if they lie flat on each other, so that a corner of one is in the other or two sides cross. When
+//! that begins, a vertex and a triangle, or two edges, that share no vertex are at distance 0, and those are tested.
+//! What is missed is force: only bending and the pairs around it resist the angle at the common vertex or side.
+//!
 //! Before a body with a concave edge a vertex can have two nearest points, one on either side of the edge, and the
 //! gradient of ψ(φ) jumps where one takes over from the other. That is just where cloth comes to rest, and no iteration
 //! on E would end. So for a [`ClosedMesh`](crate::obstacle::ClosedMesh) E is Σ ψ(d) over the triangles of the surface
@@ -55,10 +61,10 @@
 //! terms of friction is fixed for the step.
 //!
 //! With the gradient g and the direction p, a path that is cut as a whole (`limit`) to a fraction t is still one of
-//! descent: its slope is t g·p < 0. One that is cut vertex by vertex (`limit_each`) to fractions t_v has the slope
-//! Σ t_v g_v·p_v, which is positive if those vertices are cut that would have lowered the energy. So a method takes
-//! such a path only if its slope is negative and a line search along it finds a lower energy. Otherwise it cuts the
-//! whole path to one t. Unless t is 0, a line search then finds a lower energy, as far as rounding lets it tell; if
+//! descent: its slope is t g·p < 0. One that is cut vertex by vertex (`limit_each`) to fractions t_v has the slope Σ
+//! t_v g_v·p_v. It may be positive, where mostly those vertices are cut that would have lowered the energy. So a method
+//! takes such a path only if its slope is negative and a line search along it finds a lower energy. Otherwise it cuts
+//! the whole path to one t. Unless t is 0, a line search then finds a lower energy, as far as rounding lets it tell; if
 //! not, the iteration ends where it is. The safe fraction of a path is 0 only where a fifth of the distance is lost in
 //! the rounding of positions, or a vertex is inside a body. Both calls end by themselves (`filter`).
 //!
@@ -102,11 +108,12 @@
 //! | law | ψ with its derivatives ([`PenaltyLaw`]) |
 //! | range | the distance at which a pair begins to push: where ψ begins, or d₀ of a constraint |
 //! | row | one term k J Jᵀ of a Hessian, J = c_k n on up to four vertices ([`ContactRow`](cloth_core::contact::ContactRow)) |
+//! | excess gap | the distance less the range |
 //! | to choose pairs | to list those that can be in range on a path: what is evaluated on it |
-//! | to cut, shorten or truncate a path | to let a vertex go only a fraction of it |
-//! | to give way, to give in | to move by the inverse mass under a push; to be pressed nearer, of a compliant contact |
-//! | to harden | to set the compliance of a constraint to 0 |
-//! | reach | how far something has an effect: of detection, h and a margin; of patches, the path until the next search; of friction, ε |
+//! | to cut, shorten or truncate a path | to let a vertex go only a fraction of it; it *stays* if that is 0 |
+//! | to give way | to move by the inverse mass under a push |
+//! | `harden` | to set the compliance of a constraint to 0 |
+//! | `reach` | in code: of detection, h and a margin; of patches, the path until the next search; of friction, ε |
 //! | ledger | the impulses on vertices and bodies that a step has added up, where forces are recorded |
 //!
 //! # From the naive loop to this one
@@ -118,22 +125,18 @@
 //!
 //! 1. Patches of triangles that are near each other are found by a broad phase, and stay known while no patch has gone
 //!    farther than that search allowed for (`patches`).
-//! 2. Each pair of primitives has a *range* at which it begins to push: h, of edges h/2, or the distance at rest where
-//!    that is less. The distance d less the range is its *excess gap*. Between two near patches all pairs are found
-//!    whose excess gap is below a margin, and sorted by it. How far the patches have moved against each other since
-//!    then is bounded. While that bound is below the margin, the list is complete, and only the pairs at its beginning,
-//!    with an excess gap below the bound, are evaluated.
+//! 2. Between two near patches all pairs are found whose excess gap is below a margin, and sorted by it. (The range is
+//!    h, of edges h/2, or the distance at rest where that is less.) How far the patches have moved against each other
+//!    since then is bounded. While that bound is below the margin, the list is complete, and only the pairs at its
+//!    beginning, with an excess gap below the bound, are evaluated.
 //! 3. Of the rest, a plane with a known normal decides for most that they are out of range (`near_pairs`,
 //!    `pair_constraint`).
 //! 4. What is left has its distance computed, and is a term of the sum.
 //!
 //! Each stage may keep a pair too many, and must not lose one. `tests/unit/potential_near_pairs.rs` compares the list
-//! with all pairs on random paths, `tests/all/candidates.rs` the broad phases with brute force;
-//! `tests/all/potential_derivatives.rs` compares the Hessian of a pair with differences. `tests/all/potential.rs` has
-//! pᵀ H p by the rank-one Hessian terms for random p, which is never less than by the change of the gradient along p.
-//! `tests/all/guarantee` steps loose triangles that are kicked at random, and tests at six moments of each path that
-//! none meet; of a twisted towel, and of sheets shot at each other, it tests the end of each step. That samples motions
-//! of the constraints; the proof is in `ccd/reach.rs`.
+//! with all pairs on random paths, `tests/all/candidates.rs` the broad phases with brute force, and
+//! `tests/all/guarantee` steps loose triangles that are kicked at random, none of which may meet at six moments of each
+//! path. That samples motions of the constraints; the proof is in `ccd/reach.rs`.
 //!
 //! # What is kept, and what is not
 //!
@@ -143,14 +146,14 @@
 //!   (`forces_and_moments_add_up_to_nothing`). A constraint pushes along the normal n of the start of the substep,
 //!   which is off the line between its two points once these have slid. Friction f acts at two points a distance d
 //!   apart, a couple of size d ‖f‖ ≤ h μ λ.
-//! - *Energy.* Pressure gives back what it has stored, less what the integrator damps. Implicit Euler leaves
-//!   1/(1 + ω² Δt²) of the energy of an oscillation ω in each step, and ω² = κ/ρ of a sheet of ρ (kg/m²) that hits a
-//!   body flat: at κ = 10⁶ Pa/m, 0.2 kg/m² and 1/60 s less than a thousandth, so what hits does not bounce. With a
+//! - *Energy.* Pressure gives back what it has stored, less what the integrator damps. A sheet of ρ (kg/m²) that hits a
+//!   body flat oscillates with ω² = κ/ρ, and implicit Euler leaves 1/(1 + ω² Δt²) of its energy in a step. At κ = 10⁶
+//!   Pa/m, 0.2 kg/m² and 1/60 s that is less than a thousandth, so the sheet does not bounce. With a
 //!   [restitution](PotentialBuilder::restitution) e an impact at the speed u takes (1 − e²) u²/(2 K), K = Σ c_k²/m_k
-//!   (`rebound`). Friction only takes, but for what its springs hold below ε.
-//! - *In the last resort,* pushes keep momentum. Impact zones keep momentum and angular momentum as well, except a zone
-//!   with a prescribed vertex or one of a body's surface, which moves as these do, and one that is moved out of a body.
-//!   A vertex that stays where it was keeps none.
+//!   (`rebound`). Friction only takes, but for what it gives back of a displacement below ε.
+//! - *In the last resort,* pushes keep momentum, and take kinetic energy unless the pair has turned (`last_resort`).
+//!   Impact zones keep momentum and angular momentum as well, except a zone with a prescribed vertex or one of a body's
+//!   surface, which moves as these do, and one that is moved out of a body. A vertex that stays keeps none.
 //!
 //! # For methods that project positions
 //!
@@ -262,10 +265,7 @@
 //! bound of their last search is used up. Gradient, rank-one Hessian terms and sweeps are in proportion to the pairs
 //! nearer than h or nearly so, and so is a safe path: one continuous test each, of at most
 //! [`MOST_STEPS`](crate::ContinuousTest::MOST_STEPS) steps, where a bound does not tell. A round of the last resort
-//! searches the whole cloth.
-//!
-//! `cloth-bench/doc/results.md` has the time of a step of each method, without contact and with, and how much of it
-//! detection takes: contact also takes more iterations (see the limits).
+//! searches the whole cloth. What a step takes without contact and with it stands in `cloth-bench/doc/results.md`.
 //!
 //! # Pinched cloth
 //!
@@ -286,7 +286,9 @@
 //! an impulse on the body. Prescribed vertices and other bodies do not give way, so they stop it before the step,
 //! inelastically (`stops`): at h/2 from prescribed cloth, at h from bodies. Where cloth between it and something else
 //! has no safe path even so, the body halts for the step, and loses its momentum. Steps have to resolve the frequency
-//! of the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
+//! of the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency). Between
+//! steps [`PotentialContacts::hold_body`] stops such a body or releases it, from rest, and
+//! [`PotentialContacts::set_velocities`] changes the motion of an obstacle that the cloth does not push.
 //!
 //! # Limits
 //!

@@ -39,8 +39,8 @@ pub struct Separation {
 /// **What it does not say.** Neighbours in the mesh are such pairs too: two triangles with a common edge have two
 /// corners that face each other across it. So `min_distance` is never more than the smallest height of a triangle onto
 /// an edge that it shares: for an unstretched square grid of cell size h with diagonals, h/√2 (the corner across the
-/// diagonal), even when it lies flat and alone. A *smaller* value means contact is near, a sharp fold, or a triangle
-/// pressed flat in its own plane. To tell, compare with the value of the rest shape. No rule that leaves out more
+/// diagonal), even when it lies flat and alone. Only a value below that of the rest shape means something: that contact
+/// is near, that a fold is sharp, or that a triangle is pressed flat in its own plane. No rule that leaves out more
 /// neighbours is free of this, and each loses the sharp folds, so none is applied.
 ///
 /// Two triangles with a common *edge* never count as intersecting: they meet elsewhere only if they lie exactly

@@ -58,7 +58,7 @@ const MOST_EVALUATIONS: u32 = 512;
 /// these counts:
 ///
 /// - f(t + s) ≥ f − Λ S s;
-/// - f(t + s) ≥ f − Λ (‖u‖ s + ½ A s²): each evaluation leaves 1 − cos (angle of impact) of the distance;
+/// - f(t + s) ≥ f − Λ (‖u‖ s + ½ A s²): each evaluation leaves 1 − cos α of f, α the angle between −u and the normal;
 /// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex and Λ = 1. It is Newton's method coming from the safe side: without
 ///   rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a
 ///   few.

@@ -230,7 +230,7 @@ impl Bodies {
         violated.map(|contact| contact.vertex)
     }
 
-    /// Constraints of those, on the path to `x` (m), give in no more.
+    /// Takes the compliance from the constraints of those, on the path to `x` (m).
     pub(super) fn harden(&mut self, substep: &Substep<'_>, x: &[Vec3]) {
         for contact in self.list.iter_mut().filter(|contact| contact.is_violated) {
             let at = substep
@@ -253,8 +253,8 @@ impl Bodies {
         }
     }
 
-    /// The substep ends at `x` (m), the bodies still being where they are at its start. Friction gives in by `reach`
-    /// (m). Returns the work (J) that they did.
+    /// The substep ends at `x` (m), the bodies still being where they are at its start. Tangential displacements of up
+    /// to `reach` (m) are kept for the next one. Returns the work (J) that the bodies did.
     pub(super) fn end(&mut self, substep: &Substep<'_>, reach: Real, x: &[Vec3]) -> Real {
         let Substep { bodies, step, .. } = substep;
         for (number, (body, _)) in bodies.iter().enumerate() {

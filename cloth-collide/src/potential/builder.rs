@@ -25,7 +25,7 @@ use cloth_core::step::BuildError;
 /// | stiffness κ (Pa/m) | 10⁶ | a load p > κ h/2 presses into the barrier, to d = κ h²/(4 p) | a worse condition: more iterations |
 /// | friction μ (dimensionless) | 0 | slides on slopes above arctan μ | sticks on slopes below |
 /// | restitution e (dimensionless) | none: the law is elastic | no rebound at 0 | no loss at 1 |
-/// | length ε (m) below which friction is a spring | h/100, fixed | a stiffer spring, μ λ/ε: more iterations | what sticks gives way by ε F/(μ λ), visibly |
+/// | length ε (m) up to which friction goes back to where it began to stick; a spring for methods that minimise, no compliance in sweeps | h/100, fixed | a stiffer spring, μ λ/ε: more iterations | that spring gives way by ε F/(μ λ), visibly |
 /// | fraction of its distance that a pair keeps on a path (dimensionless) | 1/5, in substeps of constraints 1/10, fixed | k paths leave (1/5)ᵏ of it, and a stiffness up as 1/d² | shorter paths, more of them |
 ///
 /// None of them depends on mesh, step, density or bending stiffness. Ten times κ is a tenth of the compression ρ g/κ,
@@ -69,9 +69,9 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Distance h (m) at which contact begins, between a vertex and whatever is near it; edges push below h/2. Two
     /// primitives of one connected component push from no farther than they are apart at rest, so h may be larger than
-    /// an edge; what shares a vertex is never a pair. Up to a tenth of an edge the stiffness means what it says to 1.3
-    /// times (the limits of the [chapter](super)). A small h costs iterations: methods that minimise move by at most 10
-    /// h between two searches for pairs. Cloth rests on cloth a little less than h apart, not 2 h.
+    /// an edge; what shares a vertex is no pair (the chapter has why). Up to a tenth of an edge κ means what it says to
+    /// 1.3 times (the limits of the [chapter](super)). A small h costs iterations: methods that minimise move by at
+    /// most 10 h between two searches for pairs. Cloth rests on cloth a little less than h apart, not 2 h.
     #[must_use]
     pub fn thickness(mut self, thickness: Real) -> Self {
         self.thickness = thickness;

@@ -2,7 +2,7 @@
 //! everything again in each round of each:
 //!
 //! 1. *Pushes*, up to 40 rounds. Every pair that comes nearer than a tenth of its distance at the start, or of the
-//!    thickness if that is less, is pushed to half of it, one after the other.
+//!    thickness if that is less, is a *hit*, and is pushed to half of it, one after the other.
 //! 2. *Impact zones*, up to 20 rounds. The vertices of pairs that still come too near become one rigid body, with their
 //!    momentum and angular momentum, since inside a rigid body nothing can meet; zones that meet are joined. Vertices
 //!    that get into a body are moved out of it, with their zones. A zone turns by at most 1 rad on its path; where its
@@ -12,14 +12,18 @@
 //!
 //! So a step is safe or refused, whatever the two numbers of rounds: they are limits on the cost, as each round
 //! searches the whole cloth. A push goes on from layer to layer by one a round, since the next pair is a hit only in
-//! the detection after it: 40 rounds go through a stack of about as many layers. Zones grow by the pairs that their
-//! rigid motion brings too near. Where they still do after 20 rounds, truncation takes over, which is sure to end.
+//! the detection after it: 40 rounds go through a stack of about as many layers.
 //!
 //! Why a push ends at half. Let d be the distance at the start. A pair that was pushed to d/10, where the test begins,
 //! would be a hit again as soon as a neighbour is pushed towards it by anything. One that was pushed to d would have
-//! its gap as before, so the second layer would move as far as the first, and so on through the stack, with velocities
-//! that change by as much. At d/2 neighbours may take back 0.4 d before the pair is a hit again, and each gap has taken
-//! up d/2 of the motion. Any fraction in between would be safe, since everything is tested again.
+//! its gap as before, so the second layer would move as far as the first, and so on through the stack. At d/2
+//! neighbours may take back 0.4 d before the pair is a hit again, and each gap has taken up d/2 of the motion.
+//!
+//! What a push does to the energy. It adds Δx/Δt to velocities, so they stay (x − x₀)/Δt. With the points of the pair
+//! a₀ apart along n at the start, its speed along n rises from s to s′ = (d/2 − a₀)/Δt, and the kinetic energy changes
+//! by (s′² − s²)/(2K), K = Σ c_k²/m_k (`rebound` has why). Where n does not turn, a₀ ≥ d (or h, whose half it is pushed
+//! to if that is less): so s < s′ < 0, and energy is lost. A pair that turns or slides on its path may have a₀ < d/2,
+//! and then gain up to s′²/(2K). Elastic energy is not looked at.
 //!
 //! Bridson et al. 2002 (see the [chapter](super#references)) take three stages after each step: repulsions, impulses,
 //! rigid impact zones (Provot 1997, see the [crate](crate#references)). Here the potential in the solve takes the place
@@ -68,7 +72,7 @@ pub(super) struct LastResort {
     displacements: Vec<Vec3>,
 }
 
-/// A pair that comes too near.
+/// A pair that comes too near on its path.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     pair: Pair,

@@ -175,7 +175,7 @@ impl PairConstraint {
         }
     }
 
-    /// Gives in no more: for a pair that has come too near on the way to `x` (m).
+    /// Takes its compliance away: for a pair that has come too near on the way to `x` (m).
     pub(super) fn harden(&mut self, x: &[Vec3]) {
         if self.inverse_effective_mass > 0.0 {
             self.role = Role::Pushes;

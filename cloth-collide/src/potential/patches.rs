@@ -7,7 +7,7 @@
 //! | spread | by how much a patch has deformed, at most, beside its rigid motion | `spreads` |
 //! | change | by how much distances of two patches change in the motion at hand, at most | `change` |
 //! | travel | sum of the changes since the last detection between the two | `travel` |
-//! | moved | the bound from the two poses and spreads, then and now: what goes to and fro cancels | `moved` |
+//! | moved | the bound from the two poses and spreads, at the last detection and now | `moved` |
 //! | stray | how far a vertex goes relative to the mean motion of the whole cloth | `stray`, `strayed` |
 //! | settle | not a length: finds axes and spread of a patch, once they are needed | `settle` |
 //!
@@ -15,50 +15,49 @@
 //!
 //! A patch is at most 32 neighbouring triangles. Its motion is described by a frame, which is the centre c, the mean of
 //! its vertices, and axes F, a rotation that turns with them (`frame`); and by its spread s (m). The spread is counted
-//! from reference positions x̄: those that its vertices had at one moment, when it had the frame c̄, F̄ and the spread
-//! s̄. At the positions x it is
+//! from a *reference*, a moment at which the patch had the positions x̄, the frame c̄, F̄ and the spread s̄:
 //!
 //! s = s̄ + max ‖(x − c) − F F̄ᵀ (x̄ − c̄)‖ over the vertices of the patch.
 //!
-//! Where reference positions are taken anew (`refer`), s̄ becomes what s is there, so s does not jump. Let 0 be a
-//! moment at which those of both patches p and q were taken, the last one or an earlier one. Seen from the frame of p,
-//! q has the centre a = F_pᵀ (c_q − c_p) and the axes P = F_pᵀ F_q (`RelativePose`). Since moment 0 the distance of any
-//! point of p from any point of q has changed by no more than
+//! A new reference (`refer`) takes what s is there for its s̄, so s does not jump. Each detection between two patches p
+//! and q first takes a new one for both (`find`); let the index 0 stand for that moment. Seen from the frame of p, q
+//! has the centre a = F_pᵀ (c_q − c_p) and the axes P = F_pᵀ F_q (`RelativePose`). Since the detection the distance of
+//! any point of p from any point of q has changed by no more than
 //!
 //! ‖a − a₀‖ + ‖P − P₀‖₂ r_q + (s_p − s_p₀) + (s_q − s_q₀),
 //!
-//! r_q the distance of the farthest vertex of q from its centre at moment 0.
+//! r_q the distance of the farthest vertex of q from its centre at the detection.
 //!
-//! This is so because a vertex has left its place in the frame by no more than s − s̄ since the last reference
-//! positions, and from one set of them to the next by no more than the difference of their s̄. These add up to s − s₀,
-//! and a point of a triangle is a mean of vertices. A point of q that was at z in its frame, ‖z‖ ≤ r_q, was at a₀ + P₀
-//! z as seen from p and is at a + P z. Moment 0 has to be one at which reference positions were taken. Counted from a
-//! moment after it, s − s₀ can be too small: a vertex that goes back to its reference position moves, and s falls. So
-//! each detection between two patches first takes the reference positions of both anew (`find`), and keeps what it is
-//! to be compared with (`pose` and `spread` of a `PatchPair`).
+//! The reason:
+//!
+//! - A point of q that was at z in its frame, ‖z‖ ≤ r_q, was at a₀ + P₀ z as seen from p. If it keeps its place in the
+//!   frame, it is at a + P z now.
+//! - A vertex has left its place in the frame by no more than s − s̄ since the last reference, and from each reference to
+//!   the next by no more than s̄ has grown. Together that is s − s₀, and a point of a triangle is a mean of vertices.
+//! - This needs a reference at the detection. With an older one a vertex that goes back to x̄ moves while s falls.
 //!
 //! # What follows from it
 //!
 //! Detection between two patches finds all pairs of primitives nearer than their range plus a motion bound, and sorts
-//! them by their excess gap, the distance less the range. As long as the expression above is less than the bound, the
+//! them by their excess gap (the distance less the range). As long as the expression above is less than the bound, the
 //! list is complete, and only the pairs at its beginning, with an excess gap below the expression, can touch. A common
 //! motion of two patches cancels, and what goes to and fro does not add up. So cloth that flies or swings as a whole
-//! needs no detection: where a sheet falls into hanging, neighbouring patches turn by far more than they bend.
+//! needs no detection.
 //!
 //! # The motion at hand
 //!
 //! Each path is measured before it is used (`detect_for_substep`, before the sweeps and again after them; `choose` and
 //! `holds` of a minimisation). From its start to its end, a distance between p and q changes by no more than
 //!
-//! ‖a′ − R_p a‖ + ‖R_p − R_q‖₂ r_q + e_p + e_q, a = c_p − c_q at its start, a′ at its end.
+//! ‖b′ − R_p b‖ + ‖R_p − R_q‖₂ r_q + e_p + e_q, b = c_p − c_q at its start, b′ at its end.
 //!
 //! Here R_p and R_q are any rotations, and e_p is the most by which a vertex of p leaves R_p: one at x − c from the
 //! centre before is at R_p (x − c) and something of at most e_p from the centre after; e_q is the same of q. The
-//! reason: the difference of a point of p and one of q is d before. After it is R_p d + (a′ − R_p a) + (R_p − R_q) z
+//! reason: the difference of a point of p and one of q is d before. After it is R_p d + (b′ − R_p b) + (R_p − R_q) z
 //! and what the two leave, where z goes from the centre of q to its point. So its length has changed by no more than
 //! the lengths of the other terms.
 //!
-//! Which rotations. A substep is short and takes R = 1. That leaves ‖a′ − a‖ and the largest displacements relative to
+//! Which rotations. A substep is short and takes R = 1. That leaves ‖b′ − b‖ and the largest displacements relative to
 //! the centres. A path of a minimisation takes the turns of the frames, unless they are more than 0.2.
 //!
 //! In between the two ends vertices go straight, while the patches turn: a vertex cuts across the arc, along its chord,
@@ -71,17 +70,15 @@
 //! - two patches need not be asked before it has grown by the least of these (`left`), which takes one comparison;
 //! - nearest points are kept for a travel of 0.02 h (`known_at`).
 //!
-//! Only where the travel does not tell is the expression of the last detection evaluated (`moved`). Travel alone would
-//! do, but takes twice as many detections on a sheet that falls into hanging, and twenty times as many on one that
-//! flies and turns.
+//! Only where the travel does not tell is the bound since the last detection evaluated (`moved`), which is dearer.
 //!
-//! What was asked in a substep is for a change of 0.05 h more than before its sweeps, so that mostly nothing is asked
-//! after them (`allowed`).
+//! The predicted motion of a substep is asked about with 0.05 h to spare. Where the sweeps change it by less, nothing
+//! is asked after them (`allowed`).
 //!
-//! Which patches are near each other is found by a broad phase from their boxes, moved outwards by r + h/2, r the mean
-//! edge, or twice the displacement of the path if that is more. It is valid while no vertex goes farther than r
-//! relative to a motion that all share, by the sum of the largest displacements of all motions, or else by where each
-//! vertex is (`has_strayed`).
+//! Which patches are near each other is found by a broad phase from their boxes, moved outwards by l + h/2. Here l is
+//! the mean edge, or twice the longest displacement of the path if that is more; displacements are relative to the mean
+//! motion. The answer is good while no vertex has gone farther than l. A bound on that is the sum of the longest
+//! displacements of all motions since; only where it exceeds l is it measured for each vertex (`has_strayed`).
 
 mod between;
 mod detect;

@@ -4,8 +4,8 @@
 ///
 /// `violated`, `shortened` and `zones` tell whether the substeps were short enough. A violated pair is one that sweeps
 /// have left nearer than a tenth of its distance (or of its range), and gets more of them. Vertices whose path is
-/// shortened, and zones, which are rigid for a substep, are where they are for safety and not because of a force:
-/// momentum and friction are then not those of the model. Shorter substeps or more sweeps have fewer of them.
+/// shortened, and what the last resort has moved, are where they are for safety and not because of a force: momentum
+/// and friction are then not those of the model. Shorter substeps or more sweeps have fewer of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConstraintReport {
     /// Searches for pairs of patches.
@@ -21,7 +21,7 @@ pub struct ConstraintReport {
     /// How often the path of a vertex was shortened. It counts anew in every round of every substep, and so can be more
     /// than there are vertices.
     pub shortened: u32,
-    /// Substeps that impact zones ended.
+    /// Substeps that came to the last resort, whichever of its stages ended them: pushes, impact zones or truncation.
     pub zones: u32,
     /// Substeps in which nothing could come near, so that nothing was asked for.
     pub culled_substeps: u32,

@@ -104,8 +104,9 @@ impl ConstraintState {
         Some(push)
     }
 
-    /// Tangential displacement (m) with the point at `point` (m): friction gives in elastically by `reach` (m), and
-    /// what is more is slip. Nothing without a force λ.
+    /// Tangential displacement (m) with the point at `point` (m) where the substep ends. Friction has no compliance:
+    /// this is what the sweeps have left of it. The next substep begins with up to `reach` (m) of it and takes that
+    /// back; what is more is slip. Nothing without a force λ.
     pub(super) fn tangential(&self, point: Vec3, normal: Vec3, reach: Real) -> Vec3 {
         if self.lambda > 0.0 {
             clamp_to_friction_cone(across(point - self.origin, normal), reach)
