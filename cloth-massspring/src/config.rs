@@ -54,11 +54,12 @@ pub struct ImplicitConfig {
     pub max_iterations: u32,
     /// 10⁻³, the default, means: the change of velocity that the forces make in the step is right to a thousandth of
     /// itself (dimensionless). The iteration ends when the Newton decrement is small enough,
-    /// `√(∇Gᵀ H⁻¹ ∇G) ≤ tolerance · ‖x − x̂‖_M/s`, or when rounding allows no more; 0 asks for as much as rounding
-    /// allows. The step is then [`Converged`](cloth_core::step::Outcome::Converged). For a quadratic with this H the
-    /// decrement *is* the error in the norm of H, and so bounds that in M/s² from above; elsewhere it is an estimate
-    /// (Boyd and Vandenberghe, *Convex Optimization*, 2004, section 9.5.1); `G` is then above its minimum by no more
-    /// than `tolerance²` of the kinetic energy of that change. The quasi-Newton method has an H that is too stiff where
+    /// `√(∇Gᵀ B⁻¹ ∇G) ≤ tolerance · ‖x − x̂‖_M/s`, or when rounding allows no more; 0 asks for as much as rounding
+    /// allows. B is the matrix of the method, M/s² + H or near it. The step is then
+    /// [`Converged`](cloth_core::step::Outcome::Converged). For a quadratic with the Hessian B the decrement *is* the
+    /// error in the norm of B, and so bounds that in M/s² from above; elsewhere it is an estimate (Boyd and
+    /// Vandenberghe, *Convex Optimization*, 2004, section 9.5.1); `G` is then above its minimum by no more than
+    /// `tolerance²` of the kinetic energy of that change. The quasi-Newton method has a B that is too stiff where
     /// elements are compressed, so that its true error can be above the estimate; on the hanging sheet it is below
     /// three times the tolerance from 10⁻² to 10⁻⁶ (`the_change_of_velocity_is_right_to_the_tolerance`).
     ///
@@ -68,9 +69,9 @@ pub struct ImplicitConfig {
     /// that hangs from a pin is then stretched by 0.1 m and pulls with 10⁵ N. A thousandth of that, 100 N, is 50 times
     /// the weight of a sheet of 1 m² and 0.2 kg/m², so a place where nothing is in balance yet would pass.
     ///
-    /// The change that the decrement is compared with counts as `10⁻³ √(2 (G_start − G))` at least, a thousandth of the
-    /// velocity that the energy released since the start would make: cloth crushed to a point need not be exact to a
-    /// fraction of the little that is left. Where something touches, a step ends at 0.3 of the tolerance.
+    /// Where the iteration has released much energy, as of cloth crushed to a point, little may be left of the change
+    /// of velocity in the end. So the decrement is compared with `10⁻³ √(2 (G_start − G))` if that is more. Where
+    /// something touches, a step ends at 0.3 of the tolerance.
     pub tolerance: Real,
     /// Which second derivative Newton's method uses.
     pub hessian: HessianPolicy,

@@ -63,9 +63,10 @@ use stage::Stage;
 /// ([`Solve::QuasiNewton`]) or by Newton's method, with a line search.
 ///
 /// Of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step. Stable for any step:
-/// where E is convex (gravity included), `½ ‖v[1]‖²_M + E(x[1])` is never above `½ ‖v[0]‖²_M + E(x[0])`. Springs are
-/// not convex where they are compressed. There a descent from `x[0]` ([`StartGuess::Previous`]) guarantees
-/// `G(x[1]) ≤ G(x[0])`, that is `½ ‖v[1] − v[0]‖²_M + E(x[1]) ≤ ½ ‖v[0]‖²_M + E(x[0])`, and no more.
+/// with W the sum of the elastic energy E and that of gravity and load, `½ ‖v[1]‖²_M + W(x[1])` is never above
+/// `½ ‖v[0]‖²_M + W(x[0])` where E is convex. Springs are not convex where they are compressed. There a descent from
+/// `x[0]` ([`StartGuess::Previous`]) guarantees `G(x[1]) ≤ G(x[0])`, that is `½ ‖v[1] − v[0]‖²_M + W(x[1])
+/// ≤ ½ ‖v[0]‖²_M + W(x[0])`, and no more.
 ///
 /// Linear momentum of cloth that nothing holds or touches is kept to rounding, whatever the tolerance, by
 /// [`Solve::QuasiNewton`] and [`Solve::Linearized`]: the iteration ends with a shift to where the momentum takes the
@@ -91,8 +92,8 @@ use stage::Stage;
 /// `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹. A step has converged when it is below the tolerance, or when the
 /// gradient is as small as rounding lets it be: positions are stored to half a unit in the last place of their
 /// coordinates, `½ ε |x|`, and a spring answers that with a force of `½ ε |x| k`. For a sheet of 1 m with springs of
-/// 10⁴ N/m and Δt = 1/60 s
-/// this floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free fall there are no forces, and the floor decides alone.
+/// 10⁴ N/m and Δt = 1/60 s this floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free fall there are no forces, and
+/// the floor decides alone.
 ///
 /// Prescribed vertices are those of the particles the solver was built for. They end at `x[0] + Δt v[0]`, and their
 /// rows and columns leave the system: gradient and inverse mass are zero there. The levels of multigrid are laid out in

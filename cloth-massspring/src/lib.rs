@@ -31,11 +31,12 @@
 //! ρ (kg/m², a weighed piece over its area), the modulus Y (N/m, from a tensile test: force per width over strain) and
 //! the bending rigidity D (N·m, moment per width over curvature). Springs of equal k on this mesh are a sheet of
 //! `Y = 4k/3` and Poisson's ratio 1/3, whatever the edge length: refining the mesh keeps k
-//! ([below](#springs-triangles-and-hinges-as-a-sheet)). Here, where rim edges have the whole k, the sheet is stiffer
-//! under a uniform strain by 5/(6n) for n cells a side, 9 % (3/(4n) of it by the rims along the pull);
-//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes Y, and halves it there. For another Poisson's
-//! ratio [`Discretization`](cloth_core::cloth::Discretization) takes triangles. `cloth-bench study independence` shows
-//! what mesh and step change.
+//! ([below](#springs-triangles-and-hinges-as-a-sheet)). Here boundary edges have the whole k, though they stand for
+//! half a cell. With n cells a side the sheet so is stiffer under a uniform strain by 5/(6n), here 9 %: 3/(4n) along
+//! the two boundaries that are pulled, 1/(12n) along the other two, which resist the narrowing.
+//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes Y, and halves k there. For another Poisson's ratio
+//! [`Discretization`](cloth_core::cloth::Discretization) takes triangles. `cloth-bench study independence` shows what
+//! mesh and step change.
 //!
 //! # The idea
 //! A mass on every vertex, a spring on every edge, and Newton's second law: `M x″ = f(x) + M g`, `f = −∂E/∂x`. What
@@ -107,29 +108,33 @@
 //! and their negatives for x₁ and between the ends. Along the spring the Hessian is k. Across, it is tension over
 //! length: negative under compression, where the straight spring is a saddle of E: displacing it sideways lowers the
 //! energy (buckling). `M/Δt² + H` may then be indefinite (one spring between two free masses m: where
-//! `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up. The cures ([`Convexity`](cloth_core::element::Convexity),
-//! element by element; [`HessianPolicy`]) change the matrix and never the gradient: a converged step is a stationary
-//! point of the same G by any of them, and they decide the number of iterations, and which of several minima is found.
-//! A linearised step solves once, so there the modified Hessian changes the result.
+//! `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up. The cures set negative eigenvalues of each element to zero or
+//! to their absolute values ([`Convexity`](cloth_core::element::Convexity); [`HessianPolicy`]). They change the matrix
+//! and never the gradient: a converged step is a stationary point of the same G by any of them, and they decide the
+//! number of iterations, and which of several minima is found. A linearised step solves once, so there the modified
+//! Hessian changes the result.
 //!
 //! Formulas of the other elements stand in [`cloth_core::energy`], a file each. Their Hessians differ in this respect:
 //!
 //! | element | the Hessian is indefinite |
 //! |---|---|
-//! | [`StvkTriangle`](cloth_core::energy::StvkTriangle), `½ A G:C:G` | under compression; see below |
+//! | [`StvkTriangle`](cloth_core::energy::StvkTriangle), `½ A Γ:ℂ:Γ` | under compression; see below |
 //! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge), isometric bending, `½ k_h ‖q x‖²` | never, it is constant |
-//! | [`DihedralHinge`](cloth_core::energy::DihedralHinge), `½ k_h (θ − θ₀)²` | where `θ ≠ θ₀`, by `k_h (θ − θ₀) ∂²θ` |
+//! | [`DihedralHinge`](cloth_core::energy::DihedralHinge), `½ k_θ (θ − θ₀)²` | where `θ ≠ θ₀`, by `k_θ (θ − θ₀) ∂²θ` |
 //!
 //! The mass-spring model of textbooks (Provot 1995) has three kinds of springs on a square grid: structural ones along
 //! its lines, shear springs along both diagonals and flexion springs to the vertex after the next. Here the edges of
-//! triangles are the first two, and hinges bend; flexion springs ([`Spring::across`]) do not resist a small bend of
-//! flat cloth. Its integrator is often Störmer–Verlet or leapfrog, which is [`SymplecticEuler`] with v at the half
-//! step. The fourth-order Runge–Kutta method and IMEX schemes, with only the stiff forces implicit, are not offered.
+//! triangles are the first two, and hinges bend. Flexion springs ([`Spring::across`]) do not resist a small bend of
+//! flat cloth: a fold θ brings the ends of one from L to `L cos(θ/2)`, so C is about −Lθ²/8 and `½ k C²` about
+//! `k L² θ⁴/128`. There is no θ², so no D corresponds to k; and with a rest length below L, θ and −θ cost the same:
+//! bent at rest, it snaps through. Its integrator is often Störmer–Verlet or leapfrog, which is [`SymplecticEuler`]
+//! with v at the half step. The fourth-order Runge–Kutta method and IMEX schemes, with only the stiff forces implicit,
+//! are not offered.
 //!
 //! # Springs, triangles and hinges as a sheet
 //! **Springs.** In a small uniform strain ε (2 × 2) a spring of length L along the unit vector n is stretched by
-//! `L n·εn`, so the energy per area is `w = Σ k L² (n·εn)²/(2A) = ½ ε:C:ε` with `Cᵢⱼₗₘ = Σ k L² nᵢnⱼnₗnₘ/A` (N/m). As C
-//! stays the same when indices change places, `C₁₁₂₂ = C₁₂₁₂` (Cauchy's relation): of the isotropic sheets, with
+//! `L n·εn`, so the energy per area is `w = Σ k L² (n·εn)²/(2A) = ½ ε:ℂ:ε` with `ℂᵢⱼₗₘ = Σ k L² nᵢnⱼnₗnₘ/A` (N/m). As ℂ
+//! stays the same when indices change places, `ℂ₁₁₂₂ = ℂ₁₂₁₂` (Cauchy's relation): of the isotropic sheets, with
 //! `ν Y/(1 − ν²)` and `Y/(2 (1 + ν))` there, only those of ν = 1/3 are left. A cell of the alternating grid has one
 //! spring of length l along each axis and half of one of length √2 l along either diagonal:
 //!
@@ -138,7 +143,7 @@
 //!   = ¾ k (ε₁₁² + ε₂₂² + ⅔ ε₁₁ε₂₂ + 4/3 ε₁₂²) = Y/(2 (1 − ν²)) (ε₁₁² + ε₂₂² + 2ν ε₁₁ε₂₂ + 2 (1 − ν) ε₁₂²)
 //! ```
 //!
-//! That is `2ν = ⅔` and `Y/(1 − ν²) = 3k/2`. Equal springs, with half of k on the rim, which stands for half a cell:
+//! That is `2ν = ⅔` and `Y/(1 − ν²) = 3k/2`. Equal springs, with half of k on the boundary:
 //!
 //! | pattern | modulus Y |
 //! |---|---|
@@ -151,9 +156,9 @@
 //! of ν = 1/3 stores.
 //!
 //! **Triangles** have `F = [x₁ − x₀, x₂ − x₀] R` (3 × 2, dimensionless) with `R = [X₁ − X₀, X₂ − X₀]⁻¹` of the rest
-//! shape in its plane (1/m), `G = ½ (FᵀF − I)` and, with the rest area A, `E = ½ A S:G`. The stress is
-//! `S = Y/(1 − ν²) ((1 − ν) G + ν tr G I)` (N/m: Y is Young's modulus times thickness, which stands nowhere else). So
-//! `dE = A S:dG = A (F S):dF`, and by `dF = [dx₁ − dx₀, dx₂ − dx₀] R` the forces are `[f₁, f₂] = −A F S Rᵀ` and
+//! shape in its plane (1/m), Green's strain `Γ = ½ (FᵀF − I)` and, with the rest area A, `E = ½ A S:Γ`. The stress is
+//! `S = Y/(1 − ν²) ((1 − ν) Γ + ν tr Γ I)` (N/m: Y is Young's modulus times thickness, which stands nowhere else). So
+//! `dE = A S:dΓ = A (F S):dF`, and by `dF = [dx₁ − dx₀, dx₂ − dx₀] R` the forces are `[f₁, f₂] = −A F S Rᵀ` and
 //! `f₀ = −f₁ − f₂` (N).
 //!
 //! Stretched by λ in one direction, with ν = 0, a StVK triangle has the energy `(λ² − 1)²/8` per area and modulus: its
@@ -172,16 +177,18 @@
 //! *Its length and energy.* Put positions in the place of u: the part of the first triangle in `q x` is `−e/h` times
 //! the vector from its foot to its tip. While the triangle is not stretched that is `h d₂`, so `q x = −e (d₂ + d₃)`: 0
 //! in a flat hinge, and `‖q x‖ = 2e sin(θ/2)`, about eθ, in one folded by θ. The hinge stands for a third of its
-//! triangles, `Ā = (A₀ + A₁)/3`, with the curvature `eθ/Ā`: `½ k (eθ/Ā)² Ā`, so `E = ½ k_h ‖q x‖²` with `k_h = k/Ā`.
+//! triangles, `Ā = (A₀ + A₁)/3`, with the curvature `eθ/Ā`: `½ k_b (eθ/Ā)² Ā`, so `E = ½ k_h ‖q x‖²` with
+//! `k_h = k_b/Ā`.
 //!
-//! *Which k.* An equilateral lattice bent to a cylinder of curvature κ has `q·u = κ e² (cos 2φ − ½)/√3` at an edge that
-//! is φ away from the direction of κ. The squares of the three brackets at a vertex sum to 9/4, which makes
-//! `½ · 3k · κ²` per area (`Ā = e²/√12`, area `√3 e²/2` a vertex): `k = D/3`. (The alternating grid has D along its
+//! *Which k_b.* An equilateral lattice bent to a cylinder of curvature κ has `q·u = κ e² (cos 2φ − ½)/√3` at an edge
+//! that is φ away from the direction of κ. The squares of the three brackets at a vertex sum to 9/4, which makes
+//! `½ · 3k_b · κ²` per area (`Ā = e²/√12`, area `√3 e²/2` a vertex): `k_b = D/3`. (The alternating grid has D along its
 //! lines, 1½ D along its diagonals.)
 //!
-//! *By the angle* the same energy of small folds is `½ D e²/(A₀ + A₁) (θ − θ₀)²`; θ is positive where the edge is a
-//! ridge seen from the front, and flat is a point like others. The moment `k_h e² sin θ` of the first is largest at a
-//! right angle and gone at a full fold, θ = π; that of the angle grows up to `|θ − θ₀| = π` and changes its sign there.
+//! *By the angle* the same energy of small folds is `½ k_θ (θ − θ₀)²`, `k_θ = D e²/(A₀ + A₁)`; θ is positive where the
+//! edge is a ridge seen from the front, and flat is a point like others. The moment `k_h e² sin θ` of the first is
+//! largest at a right angle and gone at a full fold, θ = π; that of the angle grows up to `|θ − θ₀| = π` and changes
+//! its sign there.
 //!
 //! # From equation to function
 //!
@@ -194,14 +201,12 @@
 //! | `x_b`, `x̂`, s, start | predicted positions | `Implicit::predict` and `advance` in `implicit.rs` |
 //! | `G`, `∇G`, `M/s² + H`, `(M/s² + H) p` | with damping and contact | `Stage` in `implicit/stage.rs` |
 //! | `p = −B⁻¹∇G`, B from pairs `(sᵢ, yᵢ)` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
-//! | `A p = −∇G`, nearly | truncated Newton, in hard contact | [`cloth_core::method::contact_hessian`] |
-//! | `Δx = −(M/s² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
-//! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
-//! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
+//! | `(M/s² + H) p = −∇G`, nearly | truncated Newton, in hard contact | [`cloth_core::method::contact_hessian`] |
+//! | the same to the end | Newton's method, kept positive definite | [`Solve::Newton`], [`HessianPolicy`], [`Accept`] |
+//! | its linear systems | with a table of solvers | [`ImplicitConfig::linear`], [`cloth_core::method::linear`] |
+//! | τ = Δt/2; 2Δt/3 | midpoint rule; BDF2, and when it starts again | [`ImplicitMidpoint`]; [`Bdf2`] |
 //! | one Newton step | linearised implicit Euler | [`Solve::Linearized`], [`ImplicitConfig::linearized`] |
 //! | `−α M v − β K v` | drag, stiffness-proportional damping | [`Damping`] |
-//! | `M/s² + H` | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
-//! | `A p = −∇G` for this matrix A | its solution | [`ImplicitConfig::linear`], with a table of solvers; [`cloth_core::method::linear`] |
 //!
 //! [`IncrementalPotential`]: cloth_core::measure::IncrementalPotential
 //!
@@ -215,10 +220,11 @@
 //! # The minimisation
 //! Newton's method needs few iterations, each (with the feature `cholesky`) a factorisation of 3V unknowns: most of its
 //! time, and more than proportional to V (`cloth-bench study newton`). The default factorises nothing: its iterations
-//! are more and much cheaper, on the hanging sheet 22, 30 and 35 at 32, 64 and 128 vertices a side
-//! (`cloth-bench/doc/results.md`). Its direction is `p = −B⁻¹∇G`. B comes from a positive definite Hessian, of which
-//! one V-cycle of [multigrid](cloth_core::method::multigrid), `B₀⁻¹`, is nearly the inverse, and from the last five
-//! pairs `sᵢ = Δx`, `yᵢ = Δ∇G` (L-BFGS; sᵢ with an index is no time):
+//! are more and much cheaper: 22, 30 and 35 at 32, 64 and 128 vertices a side on the *hanging sheet* (1 m, 0.2 kg/m²,
+//! springs of 10⁴ N/m, held at two corners, let go horizontally, Δt = 1/60 s; `cloth-bench/doc/results.md`). Its
+//! direction is `p = −B⁻¹∇G`. B comes from a positive definite Hessian, of which one V-cycle of
+//! [multigrid](cloth_core::method::multigrid), `B₀⁻¹`, is nearly the inverse, and from the last five pairs `sᵢ = Δx`,
+//! `yᵢ = Δ∇G` (L-BFGS; sᵢ with an index is no time):
 //!
 //! ```text
 //! r = −∇G;       newest pair first:  aᵢ = sᵢ·r/(sᵢ·yᵢ),   r ← r − aᵢ yᵢ
@@ -240,28 +246,26 @@
 //!    3. `p = −B⁻¹∇G`. If `∇G·p ≥ 0`, drop the pairs, take the Hessian anew and repeat.
 //!    4. Done if the Newton decrement `√(−∇G·p)` is at most ε times `‖x − x̂‖_M/s`, or times `10⁻³ √(2ΔG)` if that is
 //!       more, ΔG the fall of G so far: beside much energy released, as from cloth crushed to a point, little counts.
-//!    5. The longest step: t = 1; in contact the fraction within the trust radius, a bound on the displacement of any
-//!       vertex, and of that the fraction free of crossings (CCD). Where the line search has shortened a step the
-//!       radius becomes twice the displacement that was left, and four times as large after a full step to its end.
+//!    5. The longest step: t = 1; in contact less (`Minimizer::iterate` in `implicit/minimizer.rs`).
 //!    6. `x ← x + t p` with the first t that `G(x + t p) ≤ G(x) + 10⁻⁴ t ∇G·p` (Armijo) accepts, each the minimum of a
 //!       parabola, between a tenth and a half of the one before, 50 at most. Where rounding hides the change of G (a
-//!       rise below `10⁻¹⁰ |G|`) the slope decides: `∇G(x + t p)·p ≤ 0.8 |∇G(x)·p|`. If none is accepted, a gradient of
-//!       at most 100 times the rounding error is the end; else the pairs are dropped and the Hessian is taken anew,
-//!       then Newton's method takes over (not in contact), and where that fails too the step is refused. In contact a
-//!       full step with half of its slope left goes on to the zero of the secant of slopes, by at most 4 p beyond it,
-//!       if G falls.
+//!       rise below `10⁻¹⁰ |G|`) the slope decides: `∇G(x + t p)·p ≤ 0.8 |∇G(x)·p|`. If none is accepted:
+//!       - a gradient of at most 100 times the rounding error is the end;
+//!       - else the pairs are dropped, the Hessian is taken anew, and the iteration repeated;
+//!       - if it fails again, Newton's method takes over (in contact the step ends as it is), and where that fails, the
+//!         step is refused.
 //!    7. From iteration 4 on, keep the pair `sᵢ = t p`, `yᵢ = Δ∇G` if `sᵢ·yᵢ > 0`, which Armijo does not ensure.
 //! 4. The shift of 2 again, with contacts whether G falls or not: linear momentum is kept at any tolerance.
 //! 5. `v = (x − x_b)/τ`.
 //!
 //! With B positive definite `∇G·p < 0`, so a short enough t passes. Pairs outlive a new Hessian from iteration 12 on.
 //!
-//! The levels: about a quarter of the vertices go on to the next coarser one, such that no two of them are strongly
-//! coupled, nor close to each other with a common neighbour. (Strong is a quarter or more of the strongest coupling of
-//! a vertex.) The prolongation P is exact for linear functions of the rest positions, the coarse matrix is `PᵀAP`
-//! (Galerkin). One forward sweep of Gauss–Seidel over blocks of 3 × 3 comes before the coarse correction and one
-//! backward sweep after it, so that the cycle is symmetric; a level of at most 48 vertices is solved by a dense
-//! Cholesky factorisation. All is in single precision. Five things make it work:
+//! The levels: about a quarter of the vertices make the next coarser one, spread such that no two of them are strongly
+//! coupled ([`multigrid`](cloth_core::method::multigrid) has the rule). The prolongation P is exact for linear
+//! functions of the rest positions; each coarse matrix is Pᵀ times the finer one times P (Galerkin). One forward sweep
+//! of Gauss–Seidel over blocks of 3 × 3 comes before the coarse correction and one backward sweep after it, so that the
+//! cycle is symmetric; a level of at most 48 vertices is solved by a dense Cholesky factorisation. All is in single
+//! precision. Five things make it work:
 //!
 //! - *Absolute values* take the place of negative eigenvalues, the k (1 − L/l) of compressed springs
 //!   ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)). So the matrix is positive definite, and every direction
@@ -273,25 +277,23 @@
 //! - *Lumped*: blocks of the two vertices opposite an edge are added to the diagonal, which leaves the pattern of the
 //!   edges ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)).
 //! - *Predicted forces.* A stiff spring that should turn is moved along its tangent by an iteration, and so becomes too
-//!   long. The next Hessian would have the tension of that false stretch, as the factor `k |l − L|/l` of `I − n nᵀ`. In
-//!   the first four iterations the factor is `k |C̃|/L`
-//!   ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)), with the extension that the iteration before has
-//!   expected, C linearised at its start x′: `C̃ = C(x′) + ∂C(x′)·(x − x′)`. The first has C̃ = `C(x[0])`. L is below
-//!   because l has the false stretch in it.
+//!   long. The next Hessian would have that false stretch as tension, in the factor `k |l − L|/l` of `I − n nᵀ`. So the
+//!   first four iterations take the extension that the iteration before has expected: that of C linearised at its start
+//!   x′, `C̃ = C(x′) + ∂C(x′)·(x − x′)` (in the first, `C(x[0])`). Their factor is `k |C̃|/L`, over L and not l, as l
+//!   has the false stretch in it ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
 //! - *An extrapolated start*, by half of the last change of velocity ([`StartGuess::Extrapolated`]).
-//! - *A fallback.* Newton's method goes on where more than 1000 further iterations would be needed at the rate of the
-//!   last 200, and where the line search finds nothing lower
-//!   ([`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts both); and near the end, where a
-//!   tolerance below 10⁻⁵ or a minimum ([`Accept::Minimum`]) is asked for, an exact Hessian that Cholesky factorises.
-//!   What needs it are very stiff springs on thin cloth (10⁶ N/m and more below 10⁻⁵ N·m), and springs with slack, a
-//!   range of lengths without force ([`DeadZone`](cloth_core::cloth::SpringLaw::DeadZone)); the example `materials`
-//!   prints a table.
+//! - *A fallback.* Newton's method takes over where more than 1000 further iterations would be needed at the rate of
+//!   the last 200, and where the line search finds nothing lower
+//!   ([`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts both). It also makes the end where a
+//!   tolerance below 10⁻⁵ or a minimum ([`Accept::Minimum`]) is asked for. What needs the fallback are very stiff
+//!   springs on thin cloth (10⁶ N/m and more below 10⁻⁵ N·m), and springs with slack, a range of lengths without force
+//!   ([`DeadZone`](cloth_core::cloth::SpringLaw::DeadZone)); the example `materials` prints a table.
 //!
 //! # Pin and drag
 //! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to
 //! `(target − state.positions[i])/Δt`, or let [`Pins`](cloth_core::pin::Pins) do it. A solver copies the masses when it
-//! is built: to grab or release another vertex, build a new one and go on with the state. [`Bdf2`] then starts again
-//! with one step of implicit Euler. Pins leave the unknowns; their gradient is zero, so they count in no norm.
+//! is built: to grab or release another vertex, build a new one and go on with the state. (A new [`Bdf2`] begins with
+//! one step of implicit Euler.) Pins leave the unknowns; their gradient is zero, so they count in no norm.
 //!
 //! The elastic force with which the cloth pulls at a pin is `−∂E/∂x` there, at the positions where the integrator takes
 //! its forces: `x[1]` of implicit Euler and BDF2, `(x[0] + x[1])/2` of midpoint, the start of explicit (sub)steps. In
@@ -306,8 +308,8 @@
 //! What the cloth touches, itself included, is one more energy in `G`, with a gradient and a positive semi-definite
 //! second derivative ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no
 //! iterate is accepted that has gone through anything. So a step ends with all forces and inertia in balance. The
-//! energy is the sum of A ψ(d) over vertices before bodies, vertices before triangles of cloth, and pairs of edges,
-//! with the distance d (m) and the area A that each stands for: a third of the triangles at a vertex, half of that
+//! energy is the sum of a ψ(d) over vertices before bodies, vertices before triangles of cloth, and pairs of edges,
+//! with the distance d (m) and the area a that each stands for: a third of the triangles at a vertex, half of that
 //! before cloth, the smaller third of two edges. With the thickness h (m; for edges half of it) and the stiffness κ_c
 //! (Pa/m) of contact
 //!
@@ -326,22 +328,14 @@
 //! its acceleration is a (tests `sheet_rests_where_its_weight_says` and `sheet_on_a_slope_slides_or_sticks` of
 //! `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this:
 //!
-//! - *When contact is computed.* λ: once a step. Which vertices, edges and triangles are near: along every direction,
-//!   with the step bound, as a query at the start alone would miss what comes near later. The list holds all that is
-//!   within h anywhere on the path, and the rest adds nothing: a new list changes no value of G. Value and gradient: in
-//!   every evaluation of G. Second derivative: whenever the Hessian is taken. That of a vertex against a body goes into
-//!   its diagonal block; a contact between several vertices is an addition of rank one to the matrix of the multigrid
-//!   cycle, and comes and goes without a new pattern.
-//! - *Enclosed volume.* What couples all vertices of a component
-//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is a term of rank one around the whole cycle.
-//! - *Truncated Newton.* Where five steps of a minimisation have been cut to less than a quarter of their directions,
-//!   the error that one cycle leaves is enough to run into the next contact. From there on directions come from
-//!   conjugate gradients around the cycle, to a tenth of the residual, on a Hessian taken anew
-//!   ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)).
-//! - *Vertex by vertex.* One step length for all lets a single nearly closed pair stop the whole cloth. Where less than
-//!   a hundredth of a direction is free, each vertex follows it as far as it alone can, if that leads down. Nothing
-//!   crosses by that (`implicit/minimizer.rs`, which also has why only half is followed of a direction of which less
-//!   than a tenth is free).
+//! - λ is computed once a step; which vertices, edges and triangles are near, along every direction. The list holds all
+//!   that is within h anywhere on the path, and the rest adds nothing, so a new list changes no value of G.
+//! - The second derivative: whenever the Hessian is taken. A contact between several vertices is an addition of rank
+//!   one to the matrix of the multigrid cycle, and comes and goes without a new pattern; what couples all vertices of a
+//!   component ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one around the whole cycle.
+//! - Where contact cuts steps short, directions come from conjugate gradients around the cycle
+//!   ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)), and where hardly any of a direction is
+//!   free, each vertex follows it as far as it alone can (`implicit/minimizer.rs`).
 //!
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
@@ -353,7 +347,9 @@
 //!
 //! In explicit methods contact acts at the end of every substep, as constraints with the compliance of the potential
 //! ([`ContactConstraints`](cloth_core::contact::ContactConstraints)): as stiff as it may be, it does not shorten the
-//! stable step, and what the constraints move becomes velocity. Nothing goes through either ([`SymplecticEuler`]).
+//! stable step, and what the constraints move becomes velocity. Friction is among them: it pulls the point of contact
+//! back to where it stuck, with at most μ times the normal force of the same substep. Nothing goes through either
+//! ([`SymplecticEuler`]).
 //!
 //! # What a step does to one oscillation
 //! With `z = Δt ω` (tests hold amplitudes and angles to 10⁻¹¹ or less, `z⁴/4` to 2 % at z = 0.05). Written as
@@ -371,9 +367,9 @@
 //! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always ([why](Bdf2)) |
 //!
 //! In a period, `2π/z` steps, implicit Euler loses `1 − exp(−2πz)` of the energy (47 % at z = 0.1), BDF2 about `πz³`
-//! (0.3 %), the midpoint rule nothing. The mesh has an error of its own: a chain of spacing l has waves of number q at
-//! `ω = (2/l) c sin(ql/2)`, `c = l √(k/m)`: too slow by the fraction `(ql)²/24`, of second order in l. A test holds the
-//! formula at the shortest wave of a chain of n masses, `ql = π (2n − 1)/(2n + 1)`, to 0.05 %
+//! (0.3 %), the midpoint rule nothing. The mesh has an error of its own: a chain of spacing l has waves of number ξ at
+//! `ω = (2/l) c sin(ξl/2)`, `c = l √(k/m)`: too slow by the fraction `(ξl)²/24`, of second order in l. A test holds the
+//! formula at the shortest wave of a chain of n masses, `ξl = π (2n − 1)/(2n + 1)`, to 0.05 %
 //! (`a_chain_has_the_closed_form_of_its_length` in `tests/chapter/stability.rs`).
 //!
 //! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the
@@ -406,11 +402,14 @@
 //!   falls freely, a cloth that is prescribed everywhere only moves its pins (`tests/chapter/special.rs`); inverted
 //!   elements are positions like others.
 //! - **No convergence is no error.** A step has [`Converged`](cloth_core::step::Outcome::Converged) where, as its
-//!   Newton decrement estimates, the change of velocity is right to [`ImplicitConfig::tolerance`]. One that has spent
-//!   [`ImplicitConfig::max_iterations`], is stuck in contact, or has linearised the cloth eight times, or in which
-//!   Newton's method took over with a matrix that does not fit into the memory or that an iterative solver finds
-//!   indefinite (elsewhere both are errors), reports [`Outcome::BudgetSpent`](cloth_core::step::Outcome) and the
-//!   residual that is left. The state has advanced.
+//!   Newton decrement estimates, the change of velocity is right to [`ImplicitConfig::tolerance`]. Else it reports
+//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome) and the residual that is left, and the state has advanced:
+//!   after [`ImplicitConfig::max_iterations`]; where it finds nothing lower in contact; where the cloth has been
+//!   linearised eight times; and where Newton's method has taken over and its matrix does not fit into the memory, or
+//!   an iterative solver finds it indefinite (if it was asked for from the start, these two are errors).
+//! - **No method adapts Δt.** After an error the state is as before the step: halve Δt or, with symplectic Euler, take
+//!   as many substeps as the `stable_dt` of [`StepError::Unstable`] asks for, and step again. To repeat a step that was
+//!   `BudgetSpent`, keep a copy of the state; what moves by itself, such as a body that the cloth pushes, has moved on.
 //!
 //! # Threads
 //! With the feature `parallel` these run on rayon's threads, from 8192 vertices on: energies, gradients and matrices,
@@ -446,7 +445,7 @@
 //! - The linearised step has no line search: its energy need not stay bounded where springs turn far in a step.
 //! - The default converges from cloth that is random, flattened, collapsed into a point or turned inside out, with
 //!   stiffnesses and masses that differ by 10⁸ and 10⁶, at steps from 1 ms to 1 s: ten runs of ten in each of 108
-//!   cases. But it can take hundreds of iterations where a stiff net unfolds.
+//!   cases. But it can take hundreds of iterations where stiff springs unfold.
 //! - Implicit Euler is *heavily damped*: an oscillation of period 10 Δt loses 15 % of its amplitude in every step.
 //!   Cloth that swings and wrinkles less with it than it should, and does not topple or slide off, is the price of the
 //!   large step, not a property of the cloth. It keeps linear momentum, not angular momentum.
@@ -457,12 +456,13 @@
 //!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`]. Exactly
 //!   flat cloth under forces in its plane feels none out of it, and neither Newton's method nor L-BFGS leaves the
 //!   plane: by default it never buckles. Displace the start a little, or ask for [`Accept::Minimum`].
-//! - Springs with slack change their stiffness from nothing to all at the end of it; the quasi-Newton method then often
-//!   gets stuck, and Newton's method takes over: compare the rows `tension` and `slack` of the example `materials` with
-//!   that of the same k, D and Δt.
-//! - *Locking*: stiff springs on all E edges leave 3V − E motions free, too few to fold across diagonals.
+//! - Springs with slack (a range of lengths without force) change their stiffness from nothing to all at the end of it;
+//!   the quasi-Newton method then often finds nothing lower, and Newton's method takes over (example `materials`).
+//! - *Locking*: rigid springs on all E edges leave 3V − E = 3 + b motions, b the number of boundary edges, 6 of the
+//!   motions rigid, however many vertices are inside. Stiff cloth then folds only along lines of edges.
+//!   [`cloth_core::dof`] measures it and has the remedies, such as springs on fewer edges or softer under compression.
 //! - Isotropic materials only: warp, weft and shear have no moduli of their own. (Springs made by hand may each have a
-//!   k; C above says what sheet they are.)
+//!   k; ℂ above says what sheet they are.)
 //!
 //! # Which settings
 //!
@@ -490,17 +490,8 @@
 //! (`StrainLimiter` there): each correction stretches the neighbours, so the result depends on the order.
 //!
 //! # Costs
-//! Bytes a vertex, counted from the structs for springs and quadratic hinges on the alternating grid (3 of each a
-//! vertex), without contact and damping; the caller's state is 48 more:
-//!
-//! | what | bytes |
-//! |---|---|
-//! | elements: springs of 24, hinges of 56, masses 16 | 256 |
-//! | default: lumped matrix, V + E = 4V blocks of 9 `f64`, pattern and places | 410 |
-//! | default: finest level of multigrid, `f32` (coarser ones come on top) | 290 |
-//! | default: five pairs in `f32`; nine vectors of the iteration | 120; 216 |
-//! | Newton's method: 6V blocks, the tips of hinges too; its factor is larger, and more than proportional to V | 432 |
-//! | explicit: three vectors; 18 to watch the stable step | 72; 432 |
+//! With springs and quadratic hinges the default takes about 1.3 kB a vertex without contact, explicit methods 0.8, and
+//! Newton's method a factor besides that grows more than in proportion to V.
 //!
 //! An iteration of the default reads the elements once (once more for each shortened step), the finest level twice (the
 //! residual is taken in the forward sweep) and the pairs once; 7 of 30 take the Hessian anew. One of Newton's method
@@ -512,8 +503,8 @@
 //! # When not to use this method
 //! It is at its best where the solution has to be right: references, statics, measured materials. Elsewhere:
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
-//!   2-core AMD EPYC Zen 4, commit 6d27035, `cloth-bench study convergence`) takes 21 ms a step by converged implicit
-//!   Euler and 3.6 by projective dynamics with 10 iterations, for the same fall and stretch. Between them is
+//!   2-core AMD EPYC Zen 4, `cloth-bench study convergence`) takes 21 ms a step by converged implicit Euler and 3.6 by
+//!   projective dynamics with 10 iterations, for the same fall and stretch. Between them is
 //!   [`ImplicitConfig::truncated`]. For springs that method is "Fast simulation of mass-spring systems" (Liu et al.
 //!   2013): as `½ k (l − L)² = min ½ k ‖x₀ − x₁ − d‖²` over ‖d‖ = L, the d are unknowns beside x; the local step is
 //!   `d = L n`, the global step solves a constant matrix, and neither raises G.

@@ -3,8 +3,9 @@
 //! Contact has to be detected where the cloth will be, `x[1] = 2x − x[0]`, not in the middle. And it is to be
 //! inelastic: a force in the middle would throw back what it stops, since the midpoint rule keeps all energy. So the
 //! force of contact, f, is split. The lasting part f[0] acts like all other forces, so that what rests stays at rest.
-//! It is the force at the end of the last step, no longer than the component along it of the force one step earlier
-//! (zero if that points the other way). The new part f(x[1]) − f[0] acts over the whole step, as in implicit Euler:
+//! It is what the forces at the ends of the last two steps have in common: the last one, shortened to the component of
+//! the other along it where that is less, and zero where it points the other way. The new part f(x[1]) − f[0] acts over
+//! the whole step, as in implicit Euler:
 //!
 //! ```text
 //! v[1] = v[0] + Δt M⁻¹ (f_other((x[0] + x[1])/2) + f(x[1]))

@@ -18,8 +18,8 @@
 //! is one of implicit Euler, which knows nothing of `v[−1]`. (A step of implicit Euler is not tested: the second
 //! difference after it has the jump before it in it, too.) For an oscillation ω the left side is `(4 sin²(Δt ω/2))²`
 //! times `‖v[0]‖²_M`, 0.06 times at Δt ω = 0.5: no jump. The second term on the right keeps small motions of cloth at
-//! rest from counting. Smaller jumps pass, so that what is stopped may leave with a part of its speed. Where all forces
-//! are linear and nothing touches, no oscillation grows, resolved or not ([why](Bdf2)), and the test is left out.
+//! rest from counting. (Smaller jumps pass, a limitation: what they stop may bounce a little.) Where all forces are
+//! linear and nothing touches, no oscillation grows, resolved or not ([why](Bdf2)), and the test is left out.
 //!
 //! C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952,
 //! <https://doi.org/10.1073/pnas.38.3.235>; for cloth, with one linear solve a step

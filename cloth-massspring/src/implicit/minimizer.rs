@@ -42,9 +42,9 @@ const MIN_RELEASED_SPEED: Real = 1e-3;
 
 /// Fraction of a direction below which one step length for all vertices is given up for one each.
 const VERTEX_BY_VERTEX_BELOW: Real = 0.01;
-/// Fraction of a direction below which only half of what contact leaves of it is followed. A path that turns into a
-/// pair takes of the gap with its square: followed to the end of what is free it leaves a fifth of it, and the next
-/// step is as short; half of it leaves four fifths.
+/// Fraction of a direction below which only half of what contact leaves of it is followed. Where a path turns into a
+/// pair, the gap falls with the square of the length: the whole of what is free leaves a fifth of the gap, and the next
+/// step is as short; half of it leaves 1 − ¼ · ⅘ = ⅘.
 const HALVED_BELOW: Real = 0.1;
 /// Factor on the trust radius after a step to its end that has not been shortened.
 const RADIUS_GROWTH: Real = 4.0;
@@ -264,7 +264,13 @@ impl Minimizer {
         end
     }
 
-    /// The quasi-Newton iteration to the tolerance.
+    /// The quasi-Newton iteration to the tolerance, as the [crate page](crate#the-minimisation) lists it. In contact:
+    /// - The longest step is what lies within the trust radius, a bound on the displacement of any vertex, and of that
+    ///   the fraction free of crossings (CCD). Where the line search has shortened a step the radius becomes twice the
+    ///   displacement that was left, and four times as large after a full step to its end.
+    /// - A full step with half of its slope left goes on along its direction (`extrapolation`).
+    /// - Once five steps have been cut below a quarter of their directions, directions are to a tenth of the residual
+    ///   (conjugate gradients, a Hessian taken anew): what one cycle leaves would run into the next contact.
     fn iterate(
         &mut self,
         method: &mut QuasiNewton,
