@@ -28,18 +28,19 @@ use cloth_core::method::position_based::{Acceleration, Sweep};
 ///   far above that it is `(N + 1)²/π²`, however stiff the springs are: a hard row is no slower. For η of 1 or less it
 ///   is less than one sweep, at most `1/(2 ln(1 + 1/η))`, 0.72 at η = 1: such springs are soft for the step, and one
 ///   sweep does.
-/// - **Resolution**: on a sheet of n vertices a side and the same material, w goes with n² and k is constant. At the
-///   same h both `η/2` and N² grow with n², and so do the sweeps. With h ~ 1/n, n times the substeps, η is constant:
-///   then one sweep a substep corrects the same fraction on any mesh, at the cost of n substeps and not n² sweeps.
+/// - **Resolution**: on a sheet of N vertices a side and the same material, w goes with N² and k is constant. At the
+///   same h both η/2 and its bound `(N + 1)²/π²` grow with N², and so do the sweeps. With h ~ 1/N, N times the
+///   substeps, η is constant: then one sweep a substep corrects the same fraction on any mesh, at the cost of N
+///   substeps and not N² sweeps.
 /// - **Mass ratio**: with a heavy tip a factor of e takes some `r (N − 1)` sweeps in the place of `4N²/π²`, so for 24
-///   links and r = 1000 some 23,000 in the place of 230. A light tip costs none. Springs in place of the links take
-///   fewer, `(N − 1)/(1/r + N/(k h² w))`, since λᵀAλ of the last line then has `N α̃ = N/(k h²)` besides `1/(r m)`. For
-///   heavy tips there is the [direct solver](crate#direct-solve).
+///   links and r = 1000 some 23,000 in the place of 230. A light tip costs none. Springs in place of the links add
+///   `N α̃ = N/(k h²)` to the `λᵀAλ = 1/(r m)` of equal λ, and so take fewer: `(N − 1)/(1/r + N/(k h² w))`. For heavy
+///   tips there is the [direct solver](crate#direct-solve).
 /// - **The order** does not change ρ of a chain: Gauss–Seidel has the square of Jacobi's ρ in the order of the links
 ///   and coloured. Averaged Jacobi is slower; [`Sweep`] has its factors.
 ///
-/// For a sheet ρ has no closed form. Hung by a side its columns are chains of N = n − 1; what is measured on sheets is
-/// the strain that is left ([table](crate::SubstepRule#against-the-closed-form)).
+/// For a sheet ρ has no closed form. Hung by a side its columns are chains of N − 1 links; what is measured on sheets
+/// is the strain that is left ([table](crate::SubstepRule#against-the-closed-form)).
 ///
 /// # Redundant and contradictory hard rows
 /// The gradients of hard rows may depend on one another: a truss with more links than hold it, two hard attachments of
@@ -65,8 +66,8 @@ pub struct XpbdConfig {
     pub sweep: Sweep,
     /// Relaxation of the corrections and extrapolation of the sweeps, positions and multipliers together.
     pub acceleration: Acceleration,
-    /// β (s): a force `−β k Ċ` along every row beside the elastic `−k C` (Rayleigh's form of XPBD's constraint
-    /// damping). Zero, the default, costs nothing. A hard row cannot move and is not damped.
+    /// β (s): a force `−β k Ċ` along every row beside the elastic `−k C`, relative to rest data that change
+    /// ([damping](crate#damping)). Zero, the default, costs nothing. A hard row has no rate and is not damped.
     pub damping: Real,
     /// With `Some(τ)` a step that would gain more than a fraction τ (dimensionless, above 0) of the largest energy so
     /// far is repeated with twice as many substeps, up to eight times as many; see

@@ -25,8 +25,9 @@
 //!
 //! # Idea
 //! A sweep solves one element at a time, and a correction travels one element per visit. Here all rows are linearised
-//! together, and one linear system gives the answer for all of them. A light chain with a heavy end that hangs at rest
-//! takes as many iterations as any other; one that turns takes up to twice as many in the tables below.
+//! together, and one linear system gives the answer for all of them. A heavy end hardly slows that: by the default
+//! system a light chain with one takes 2 iterations where it hangs at rest, and where it turns 9, against 6 with equal
+//! masses ([table](#which-system-when)).
 //!
 //! # Equations
 //! Backward Euler with the multipliers kept, λ being h² times the generalised force
@@ -64,12 +65,12 @@
 //! ```
 //!
 //! and for one row `Δλ = (−(C + α̃λ) + Σ wᵢ ∂C/∂xᵢ·gᵢ)/(w̃ + α̃)`, `Δxᵢ = wᵢ (∂C/∂xᵢ Δλ − gᵢ)`. So a visit needs g at
-//! its vertices, a sum over all rows that meet there, with their gradients at the present x. Chen et al. 2024 (before,
+//! its vertices: a sum over all rows that meet there, with their gradients at the present x. Chen et al. 2024 (before,
 //! at Motion in Games 2023) correct the update row by row: B-PXPBD is a small change of XPBD for energies ½ k C²,
 //! FP-PXPBD takes general hyperelasticity; with many iterations both converge about as Newton's method does, where XPBD
 //! does not. This crate has no such sweep. Substeps shrink the gap with h, and Newton's method on all rows, here,
-//! removes it: [`Residuals::momentum`] is `‖g‖/h²`, what is left of it. Deul et al. 2018 solve XPBD's own system
-//! directly, along the tree of a rod.
+//! removes it: [`Residuals::momentum`] is what is left of it, `√(gᵀ M⁻¹ g)/h²` (N/√kg). Deul et al. 2018 solve XPBD's
+//! own system directly, along the tree of a rod.
 //!
 //! **What one sees of it.** Nothing stretches: the rows are met, so every spring has the length that its λ asks for,
 //! and linear momentum is kept. But links point in slightly other directions, so a path or a hanging shape lies beside
@@ -129,18 +130,15 @@
 //! | dual, Cholesky | 1642: 2, 7 | 1642: 14, 53 | 1642: 49, 99 | 684 155: 10, 30 |
 //! | dual, conjugate gradients | 2, 204 | 14, 1752 | 49, 4900 | 10, 6714 |
 //!
-//! - **Primal–dual by `L D Lᵀ`**, the default: the fewest iterations wherever rows turn, and on cloth the
-//!   smaller factor, since a sheet has some 12 rows for the 3 coordinates of a vertex.
-//! - **Dual by Cholesky** where rows hardly turn in a step and are fewer than coordinates: chains near rest.
-//!   Its factor is then a quarter.
-//! - **Krylov methods** where no factor fits into memory. In the table each iteration of the step takes 100 to 1,400
-//!   of theirs; a heavy tip that turns doubles those of MINRES (1,127 for 530), not those of conjugate gradients (125
-//!   for 100).
+//! - **Primal–dual by `L D Lᵀ`**, the default, wherever rows turn, and for cloth: a sheet has some 12 rows for the 3
+//!   coordinates of a vertex, so the dual factor is larger.
+//! - **Dual by Cholesky** for chains near rest, whose rows hardly turn in a step and are fewer than coordinates.
+//! - **Krylov methods** where no factor fits into memory: each iteration of the step takes 100 to 1,400 of theirs.
 //!
 //! # Direct or sweeps
-//! What one step to 1e-6 of the size costs (medians of 60 steps, one thread of an Intel Xeon that did other work too,
-//! commit e6a6660), and how many substeps of one sweep [`XpbdSolver`](crate::XpbdSolver) makes in that time. Links of 5
-//! cm and 10 g fall from the horizontal:
+//! What one step to 1e-6 of the size costs, and how many substeps of one sweep [`XpbdSolver`](crate::XpbdSolver) makes
+//! in that time. Links of 5 cm and 10 g fall from the horizontal; one thread of a busy Intel Xeon, commit e6a6660,
+//! medians.
 //! `cloth-bench run chain --n 100 --steps 60 --threads 1 --set stiffness=1e6 --set tip_mass=10 --method xpbd-direct`
 //! (equal masses: `tip_mass=0.01`), and the same with `--method xpbd --set substeps=200 --set energy_gain=none`:
 //!
@@ -156,9 +154,8 @@
 //! numbers to the factor.
 //!
 //! **Cloth.** In a sheet of V vertices eliminating a vertex couples all of its neighbours that are left, so the factor
-//! grows faster than V: 329 numbers a vertex with 17 × 17 vertices. Measured (2 cores of an Intel Xeon VM, one thread,
-//! commit 3158c95, medians,
-//! `cargo run --release -p cloth-bench -- run hang --n 9 --steps 20 --method xpbd-direct --threads 1`, and n = 17, 33):
+//! grows faster than V: 329 numbers a vertex with 17 × 17 vertices. Measured (Intel Xeon VM, commit 3158c95, medians):
+//! `cargo run --release -p cloth-bench -- run hang --n 9 --steps 20 --method xpbd-direct --threads 1`, and n = 17, 33:
 //!
 //! | sheet | V | a step (ms) | iterations | an iteration (ms) |
 //! |---|---|---|---|---|

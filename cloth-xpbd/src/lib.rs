@@ -79,8 +79,9 @@
 //!
 //! **Newton's method** on both, at some (x, λ), asks for Δx and Δλ. Linearised, (b) is `C + J Δx + α̃ (λ + Δλ) = 0`. Of
 //! (a) XPBD makes something simpler by two approximations: the change of J with x, the geometric stiffness `−Σ λ ∂²C`,
-//! is dropped, and (a) is taken to hold already (its residual, their g, is zero), as it does at x = x̃ and λ = 0. What
-//! remains is `Δx = M⁻¹ Jᵀ Δλ`, the rule by which every correction moves x; put into (b) it gives their equation 16,
+//! is dropped, and (a) is taken to hold already (its residual, their g, is zero). It does at x = x̃ and λ = 0; after
+//! the first visit it holds only with the gradients that the visits had. What remains is `Δx = M⁻¹ Jᵀ Δλ`, the rule by
+//! which every correction moves x; put into (b) it gives their equation 16,
 //!
 //! ```text
 //! (J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃ λ)
@@ -95,14 +96,14 @@
 //!
 //! **One spring** shows what λ is for. With C̃ its stretch at x̃, the first visit makes `λ = −C̃/(w̃ + α̃)` and leaves
 //! `C = C̃ α̃/(w̃ + α̃) = C̃/(1 + k h² w̃)`: backward Euler's answer. Now `C + α̃λ = 0`, so a second visit does
-//! nothing. With α = 0, k = ∞, the update is `Δλ = −C/w̃`: a hard row is projected as in PBD with s = 1. An update
+//! nothing. With α = 0, k = ∞, the update is `Δλ = −C/w̃`: a hard row is projected in full, as by PBD. An update
 //! without λ would shrink C again, to `C̃/(1 + k h² w̃)ⁿ` in n visits, and k would depend on n, as in PBD.
 //!
 //! **What λ accumulates** is the sum of its row's Δλ in this substep: h² times the generalised force averaged over the
 //! substep. The forces on the vertices are `Jᵀλ/h²` (N). It is set to zero at the start of each *substep*, because (a)
 //! has to hold there: at x = x̃ no row has moved anything. Set to zero in each *iteration*, it gives the update without
 //! λ, above. *Never* set to zero, it turns a spring into a dashpot of kh (N s/m): to bear a weight takes `Δλ = −m g h²`
-//! in every substep, so λ grows without end, and the stretch −α̃λ that (b) asks for with it, by m g/k a substep. (Who
+//! in every substep, so λ grows without end, and with it the stretch −α̃λ that (b) asks for, by m g/k a substep. (Who
 //! starts from an old λ has to keep the residual of (a), as [the direct solver](#direct-solve) does.)
 //!
 //! **What is lost.** Dropping the geometric stiffness alone changes the path of the iteration, not its limit. The limit
@@ -110,10 +111,10 @@
 //! with those, not with the J of the end. Converged sweeps end near the minimum of G; with linear rows, at it
 //! ([limits](#limits)).
 //!
-//! **Beside projective dynamics**, which lowers the same G in x with one constant matrix for all elements at once: XPBD
-//! eliminates x by `x = x̃ + M⁻¹ Jᵀ λ` and relaxes the system that is left in λ, the *dual* one above, row by row. Its
-//! sweeps carry a correction slowly along a chain, but a hard row is no slower than a stiff one. One solve with that
-//! constant matrix reaches through a whole chain, but the matrix contains every k, so no k may be ∞.
+//! **Beside projective dynamics**, which lowers the same G in x with one constant matrix for all elements: XPBD
+//! eliminates x by `x = x̃ + M⁻¹ Jᵀ λ` and relaxes the *dual* system above row by row. Its sweeps carry a correction
+//! slowly along a chain, but a hard row is no slower than a stiff one. One solve with that matrix reaches through the
+//! chain, but no k may be ∞ in it.
 //!
 //! # The step
 //! ```text
@@ -140,10 +141,9 @@
 //!
 //! The rows of one element are solved together, block Gauss–Seidel: `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with its few
 //! rows, so the three strains of a triangle need no repetition to agree. Rows without a common coordinate, those of a
-//! quadratic hinge for instance, are solved one by one, which is the same. The rows of an inequality (next paragraph)
-//! are solved one by one too. Of two redundant hard rows of an element the later one is left out; hard rows of
-//! different elements that are redundant or contradict each other are with
-//! [`XpbdConfig`](XpbdConfig#redundant-and-contradictory-hard-rows).
+//! quadratic hinge for instance, and the rows of an inequality are solved one by one. Of two redundant hard rows of an
+//! element the later one is left out; those of different elements [are with
+//! `XpbdConfig`](XpbdConfig#redundant-and-contradictory-hard-rows).
 //!
 //! The row of an inequality, a limit or a contact, accumulates too. For an upper limit C ≤ 0, which only pulls, λ is
 //! projected onto its bound, `λ ← min(0, λ + Δλ)`, and x moves by what λ has changed
@@ -155,7 +155,7 @@
 //! | inertial prediction; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
 //! | C, ∂C/∂x, k | [`Constraint::rows`] of each element; [listed](XpbdBuilder#elements) |
 //! | `C + α̃λ` and α̃, damping | `update.rs`: `XpbdUpdate::equation` |
-//! | Δλ and `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/method/position_based/correction.rs` |
+//! | Δλ and `wᵢ ∂C/∂xᵢ Δλ` of one element | `row_by_row_correction`, and its forms for special rows, in `cloth-core/src/method/position_based/correction.rs` |
 //! | the loop over rows | [`Families::sweep`], in the order of [`Sweep`] |
 //! | colours of each family (from 2¹⁹ vertices on block by block of 2¹⁴) | `cloth-core/src/method/coloring.rs` |
 //! | extrapolated sweeps, λ together with x | [`Chebyshev`] |
@@ -170,10 +170,6 @@
 //! [`Motion::update_velocities`]: cloth_core::method::position_based::Motion::update_velocities
 //! [`Constraint::rows`]: cloth_core::element::Constraint::rows
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
-//!
-//! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`:
-//! `Δλ ← −residual/(w̃ + α̃)` with the residual C + α̃λ from `update.rs`. The other functions there are for coupled
-//! rows, for limits, and for rows of a special shape.
 //!
 //! # Units
 //! | element | C | k | α = 1/k | λ |
@@ -199,16 +195,18 @@
 //! **k from D.** A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` along x, y and z, k = 3c/(A₀ + A₁) (Bergou et al.
 //! 2006); `CurvatureHinge::new` takes c, `CurvatureHinge::across` D, and c = D/3: equilateral triangles, bent to a
 //! cylinder of radius R in any direction, then store ½ D/R² per area ([derivation, and what other meshes
-//! do](cloth_core::energy#what-a-bending-rigidity-means-on-a-mesh)). The rows of a StVK triangle are a change of area
-//! and two shears, with a k for each such that `½ Σ k C²` is its energy ([formulas](XpbdBuilder#elements)).
+//! do](cloth_core::energy#what-a-bending-rigidity-means-on-a-mesh)). A StVK triangle [has three
+//! k](XpbdBuilder#elements).
 //!
 //! On a finer mesh of the same cloth a spring has the same k, a hinge k ~ 1/A and a triangle k ~ A, so the *converged*
 //! cloth stays the same. Swept once a substep it does not: a finer mesh takes [more substeps](SubstepRule).
 //!
 //! # Damping
-//! [`XpbdConfig::damping`] = β (s) adds `−β k Ċ` to the force `−k C` of every row, with `Ċ = (C − C⁰)/h` and C⁰ the
-//! value at the start of the substep: XPBD's constraint damping (Macklin et al. 2016, equation 26) in Rayleigh's form.
-//! One row then takes the implicit Euler step of a damped oscillator,
+//! [`XpbdConfig::damping`] = β (s) adds `−β k Ċ` to the force `−k C` of every row: XPBD's constraint damping (Macklin
+//! et al. 2016, equation 26), in proportion to the stiffness as the β K of Rayleigh's damping. `Ċ = (C − C⁰)/h`, C⁰ the
+//! value at the start of the substep, with the positions and the rest data of that time. So Ċ is relative to a target
+//! that moves: a vertex that goes along with its moving soft pin is not damped. One row takes the implicit Euler step
+//! of a damped oscillator,
 //!
 //! ```text
 //! C = (C̃ + w̃ h β k C⁰)/(1 + w̃ k h (h + β))
@@ -243,19 +241,16 @@
 //!   that is 8.7 for 1 %, 24 links of 1/24 m, equal masses, 1/60 s, 9.81 m/s², and 87 with a tip 1200 times as heavy.
 //! - **n iterations** of one substep share λ about equally and divide the sag by n or a little more (1.04 n for n = N =
 //!   24), to about `g Δt² N(N − 1)/(2n)`, as long as n is well below N². (n substeps divide it by n², as each needs
-//!   only a λ that goes with h².) From then on each keeps `cos²(π/(2N))` of the error ([limits](#limits)), a factor of
-//!   100 in `ln 100/(−2 ln cos(π/(2N)))` sweeps: 1,074 for these 24 links.
+//!   only a λ that goes with h².) From then on each keeps [`cos²(π/(2N))`](XpbdConfig#how-fast-sweeps-converge) of the
+//!   error, a factor of 100 in `ln 100/(−2 ln cos(π/(2N)))` sweeps: 1,074 for these 24 links.
 //! - **"As many iterations as the mesh is wide"**, a popular rule: N sweeps leave `cos^(2N)(π/(2N)) ≈ e^(−π²/(4N))` of
-//!   the slowest error, here 90 %. At rest they leave a sag of about `g Δt² (N − 1)/2`, a mean strain of 3.1 %, for the
-//!   24 links: measured 3.0 %, and 2.3 % on a sheet of as many rows; as many substeps leave 0.13 % and 0.10 %.
+//!   the slowest error, here 90 %, and at rest a mean strain of 3.1 %: measured 3.0 %, and 2.3 % on a sheet of as many
+//!   rows; as many substeps leave 0.13 % and 0.10 %.
 //!
-//! Sheets differ from that: held by an edge they are strained by 0.8 of the prediction, by two corners by 3 times as
-//! much or more ([table](SubstepRule#against-the-closed-form)), since the weight of the whole sheet goes through a few
-//! edges, as with a heavy tip. All that is at rest. Cloth that swings is also brought to a stop, by its supports or by
-//! what it hits. A stop from a speed v strains it by some 2 v h/l, since no wave goes further than an edge or so in a
-//! substep; this part falls with 1/n, not 1/n², in n times as many substeps. [`SubstepRule`] has both parts for any
-//! cloth, and a third for a tension that lasts, as in an inflated balloon. It is what to take; its page has measured
-//! strains, and what a substep costs.
+//! Sheets differ: held by an edge they are strained by 0.8 of the prediction, by two corners by 3 times as much or more
+//! ([table](SubstepRule#against-the-closed-form)), since the whole weight goes through a few edges, as with a heavy
+//! tip. All that is at rest. Cloth that swings is also brought to a stop, by its supports or by what it hits.
+//! Take [`SubstepRule`]: it has both parts for any cloth, and a third for a tension that lasts, as in a balloon.
 //!
 //! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler: on 24 ×
 //! 24 vertices 20 sweeps leave a strain of up to 17 % as substeps, 158 % as iterations (`--example hanging_sheet`).
@@ -273,43 +268,39 @@
 //! # Steps that gain energy
 //! No rule knows before a run where cloth will be stopped on a corner or pulled taut by a hand. Too few substeps leave
 //! strain there, with more energy in it than the motion had. With [`XpbdConfig::energy_gain`] = τ a step compares what
-//! kinetic and elastic energy have gained with the work of gravity, loads, prescribed vertices and contact. The excess
-//! is summed over the steps, losses taken off, never below zero. A step that adds to the sum and lifts it above τ times
-//! the largest energy so far is repeated with twice as many substeps, up to eight times as many
-//! ([`StepReport::refinements`]); `refinement.rs` defines that scale, and says when fewer are tried again. Take τ =
-//! 0.01, on top of [`SubstepRule`]. An example is a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners,
-//! by twenty substeps: with this τ its energy exceeds what it was given by at most 0.8 % of the work of gravity,
-//! without τ by up to twelve times that work. A step without excess costs two evaluations of the energy. The stiffer a
-//! cloth, the more energy is in the same strain, and the more often it takes all eight times as many.
+//! kinetic and elastic energy have gained with the work of gravity, loads, air, prescribed vertices and contact. Where
+//! the excess, summed over the steps less losses, would grow beyond τ times the largest energy so far, the step is
+//! repeated with more substeps ([`StepReport::refinements`]; the rules are in `refinement.rs`). Take τ = 0.01, on top
+//! of [`SubstepRule`]. An example is a sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by twenty
+//! substeps: with this τ its energy exceeds what it was given by at most 0.8 % of the work of gravity, without τ by up
+//! to twelve times that work. A step without excess costs two evaluations of the energy.
 //!
 //! # Order of the constraints, colours and threads
 //! A sweep visits the families in the order in which they were added, and the elements of a family in the order of
 //! [`Sweep`]. Gauss–Seidel carries a correction along the order of the visits through a whole chain in one sweep, and
 //! against it by one element a sweep. Converged sweeps agree whatever the order; iterates do not.
 //!
-//! [`Sweep::Colored`], the default, colours the elements greedily, so that no two of a colour share a vertex. Where an
-//! element has N vertices and a vertex at most d elements, N (d − 1) + 1 colours are enough: 15 for the springs of the
-//! alternating grid, where d = 8. Elements of a colour then do not see each other's writes: they can be visited in
-//! parallel, without locks, and give the same bits as in turn, on any number of threads. A second thread takes part in
-//! colours of at least 4096 elements (feature `parallel`); a processor gains on one thread too, since it need not wait
-//! for the element before. Sweeps run on the current rayon pool (`RAYON_NUM_THREADS`, `ThreadPool::install`).
+//! [`Sweep::Colored`], the default, colours the elements greedily, so that no two of a colour share a vertex. Elements
+//! of a colour then do not see each other's writes: they can be visited in parallel, without locks, and give the same
+//! bits as in turn, on any number of threads. A second thread takes part in colours of at least 4096 elements (feature
+//! `parallel`, on the current rayon pool); a processor gains on one thread too, since it need not wait for the element
+//! before. Elements of N vertices, at most d of which meet at one, take at most N (d − 1) + 1 colours.
 //! [`Sweep::Sequential`] keeps the order given and one thread. [`Sweep::Jacobi`] solves all elements at the same
 //! positions and scales the corrections down; without extrapolation it is slow.
 //!
 //! [`XpbdConfig::acceleration`] extrapolates λ and x over the sweeps of a substep ([`Chebyshev`]), for those who need
 //! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. A chain of 20 rigid links takes less than a
-//! fifth of the sweeps to 1e-7 m with ρ given, less than a third with ρ estimated (`tests/all/sweeps.rs`).
-//!
-//! The family visited last is met best: add the one that must hold best last (with Chebyshev first). Contact comes
-//! last.
+//! fifth of the sweeps to 1e-7 m with ρ given, less than a third with ρ estimated (`tests/all/sweeps.rs`). The family
+//! visited last is met best, since none after it undoes it: add the one that must hold best last, with Chebyshev first,
+//! where the way back ends. Air and then contact come after all.
 //!
 //! # Contact
 //! A [`ContactSource`](cloth_core::contact::ContactSource), as the crate `cloth-collide` has it, is handed over with
 //! [`StepInput::contacts`]. Its [`ContactConstraints`](cloth_core::contact::ContactConstraints) find at x̃ what can
 //! touch in the substep (`begin_substep`), are swept last in each iteration, test the paths before the velocities are
 //! found (`end_substep`), and may change those afterwards (`change_velocities`). A contact is a row
-//! `C = n·Σ c_k x_k − d₀ ≥ 0`: the sum is the vector between the two nearest points, with barycentric weights c_k that
-//! are negative on one side, and n its direction at the start. The row comes from the energy per area ψ(d) (J/m²) of
+//! `C = n̂·Σ c_k x_k − d₀ ≥ 0`: the sum is the vector between the two nearest points, with barycentric weights c_k that
+//! are negative on one side, and n̂ its direction at the start. The row comes from the energy per area ψ(d) (J/m²) of
 //! `cloth_collide::potential`, d the distance, with the range r (m) and the stiffness κ (Pa/m):
 //!
 //! ```text
@@ -318,8 +309,8 @@
 //! ```
 //!
 //! - **r** is the distance at which two layers of cloth meet, the thickness that the builder is given; between two
-//!   edges it is half of that. So edges push only where no vertex keeps the cloth apart already, and far fewer pairs
-//!   are near enough to push.
+//!   edges it is half of that. Where vertices hold the layers nearly r apart, the edges are as far apart and do not
+//!   push. They push only where no vertex is near, and far fewer pairs are in range.
 //! - **A**, the area at rest that a contact stands for, makes A ψ its energy: of a vertex a third of the triangles
 //!   around it, and half of that before other cloth, whose vertices press too; of two edges the smaller of theirs, each
 //!   a third of the triangles beside it.
@@ -330,16 +321,25 @@
 //! A row has one k, so ψ′ is replaced by its tangent at the distance d of the start: compliance 1/(A ψ″), and
 //! `d₀ = d − ψ′/ψ″`, where that line is zero. From t on this gives d₀ = r and ψ″ = κ, the spring itself; below,
 //! `d₀ = 2d` and `ψ″ = κ t²/d²`: what is too near meets a stiffer row, which in one substep takes it to 2d at most, not
-//! to r. In a visit, with `ŵ = Σ w_k c_k²`,
+//! to r. (Below r/20 the force is that at r/20, and `d₀ = d + r/20`.) In a visit, with `w̃ = Σ w_k c_k²`,
 //!
 //! ```text
-//! Δλ = max(−λ, −(C + α̃λ)/(ŵ + α̃)),   λ_t ← λ_t − u/ŵ, cut to ‖λ_t‖ ≤ μ λ
+//! Δλ = max(−λ, −(C + α̃λ)/(w̃ + α̃)),   λ_f ← λ_f − u/w̃, cut to ‖λ_f‖ ≤ μ λ
 //! ```
 //!
 //! the second for friction (after Müller et al. 2020, section 3.5, with one μ for sticking and sliding): u is the
-//! displacement of `Σ c_k x_k` at right angles to n from where the contact sticks. That is where it was when contact
-//! began; from substep to substep u is kept while λ > 0, cut to a hundredth of the thickness, since the rest has
-//! slipped. The λ of the bound μλ is that of this very sweep, just updated, so cloth that lands has friction at once.
+//! displacement of `Σ c_k x_k` at right angles to n̂ from where the contact sticks, at first from where it was when
+//! contact began. From substep to substep u is kept while λ > 0, cut to r/100: what is beyond has slipped, and is not
+//! taken back. The length is fixed, and not the `μ λ w̃` that the cone can take back in a substep. That is some μ g h²
+//! at rest, 2 µm at 1/1200 s and μ = 0.3: cloth that sticks would creep by what unconverged sweeps leave beyond it.
+//!
+//! **How exact is friction?** No contact leaves its cone, however few the sweeps: μ λ has the λ of this very visit, so
+//! cloth that lands has friction at once. The rest of Coulomb's law, u = 0 within the cone and `λ_f = −μ λ u/‖u‖` on
+//! it, is what a fixed point of this update says, and holds where the sweeps converge. With one sweep forces at rest
+//! still balance the weight, since every substep repeats the one before, but stretched cloth presses at other places.
+//! On a slope 20 substeps meet pressure and friction to 0.1 % of the weight; a disk that sags into a tilted ring, and
+//! rests there by implicit Euler, slides 19 mm with them, less than 0.3 mm with those of [`SubstepRule`]
+//! (`cloth-bench/tests/all/forces.rs`).
 //!
 //! **After the sweeps** (`end_substep`) every pair is tested over its whole path. A pair is safe if it keeps a tenth of
 //! its distance there (of r, if that is less). While some are not safe,
@@ -352,49 +352,47 @@
 //!    al. 2002); what meets even so stays where it began.
 //!
 //! [`truncated_count`](cloth_core::contact::ContactSource::truncated_count) counts the displacements that were cut
-//! short in 2 to 4. They lose momentum that no force has taken: where they are many, take more substeps. So a step ends
-//! free of crossings, or is refused with a [`StepError::Contact`] that leaves the state as it was:
+//! short. They lose momentum that no force has taken: where they are many, take more substeps. A step ends free of
+//! crossings, or is refused with a [`StepError::Contact`]:
 //! [`Infeasible`](cloth_core::contact::ContactError::Infeasible) where prescribed vertices or bodies leave a vertex no
 //! path, [`IntersectingStart`](cloth_core::contact::ContactError::IntersectingStart) where something crossed before.
 //!
 //! **Restitution.** With `PotentialBuilder::restitution(e)`, e from 0 to 1, `change_velocities` gives every pair that
-//! approached with a speed v_a along n and has touched the separation velocity e v_a, by the impulse `(e v_a − v_s)/ŵ`
-//! along n, v_s its separation velocity before that (Müller et al. 2020, section 3.6). An approach of less than a
-//! thousandth of the thickness in a substep is rest. Unless e is set, contact gives back what ψ has stored.
+//! approached with a speed v_a along n̂ and has touched the separation velocity e v_a, by the impulse
+//! `(e v_a − v_s)/w̃` along n̂, v_s its separation velocity before that (Müller et al. 2020, section 3.6). An approach
+//! of less than a thousandth of the thickness in a substep is rest. Unless e is set, contact gives back what ψ has
+//! stored.
 //!
 //! **Bodies**, all of `PotentialBuilder`, each with its own μ: `obstacle` is a rigid one of a signed distance, still or
-//! with the velocities of its `RigidMotion`; `animated` a mesh whose vertices follow given shapes; `free` gives an
-//! obstacle a mass and an inertia, so that the cloth pushes it (not together with restitution). Each is where the
-//! substep ends, and friction acts against its velocity.
+//! moving; `animated` a mesh whose vertices follow given shapes; `free` gives an obstacle a mass and an inertia, so
+//! that the cloth pushes it (not with restitution). Each is where the substep ends, and friction acts against its
+//! velocity.
 //!
 //! **Cloth with itself.** A pair is a vertex and a triangle, or two edges, that share no vertex and are not sewn
 //! together; nothing keeps apart what does or is. Two primitives of one connected piece that are nearer than r at rest
 //! push only from their distance at rest on. So r may be longer than an edge, and the cloth still does not push itself
 //! apart at rest. But where r is not much shorter than an edge, a vertex feels several triangles of the other side, and
-//! the pressure is higher than κ says: 1.3 times with r a tenth of an edge, 4.6 times with r as long as an edge. What
-//! does not cross when a step begins does not cross when it ends.
+//! the pressure is higher than κ says: 1.3 times with r a tenth of an edge, 4.6 times with r as long as an edge.
 //!
 //! **In code**, from `cloth_collide::potential`, with the thickness in m and the μ of cloth on cloth:
 //! `let mut contacts = PotentialContacts::builder(&mesh).thickness(2e-3).friction(0.3).build()?;`, then
-//! `solver.step(&mut state, StepInput::new(dt).gravity(g).contacts(&mut contacts))?`. Self-contact is on by default.
-//! The solver itself knows nothing of shapes, and runs no code for contact without a source. A volume to be kept
-//! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one more row, C = V − V* of all vertices of a closed
-//! piece, with ∂V as at the start of the substep, swept before the contacts. Unconverged sweeps leave energy in contact
-//! too: ask [`SubstepRule`] for a strain of 7 % ([table](SubstepRule#with-contact)).
+//! `solver.step(&mut state, StepInput::new(dt).gravity(g).contacts(&mut contacts))?`. Self-contact is on by default. A
+//! volume to be kept ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one more row, the volume of a closed
+//! piece less that wanted, with its gradient as at the start of the substep, swept before the contacts. Unconverged
+//! sweeps leave energy in contact too: ask [`SubstepRule`] for a strain of 7 % ([table](SubstepRule#with-contact)).
 //!
 //! # Direct solve
 //! With the feature `direct`, `direct::DirectXpbd` solves all rows of a step as one linear system, and repeats that to
 //! convergence, with the residual of (a) kept: its limit *is* the implicit Euler step. Use it for light chains with
 //! heavy ends, where sweeps stall, for hard constraints that have to be met to round-off, and as the reference for
-//! sweeps. With one solve a step and geometric stiffness it is stable constrained dynamics (Tournier et al. 2015).
-//! Tables of that module say which of its four linear systems suits what, and what a step costs in sweeps.
+//! sweeps. Tables of that module say which of its four linear systems suits what, and what a step costs in sweeps.
 //!
 //! # Strain limits
 //! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
 //! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle) are inequality constraints: C is the length or
-//! singular value less the nearest allowed one, and λ keeps its sign. With finite k a limit yields by f/k under a force
-//! f; with `k = ∞` it is hard. Like every constraint it is met as far as the sweeps have converged: add its family last
-//! (with Chebyshev first), and use more substeps. `cloth-pbd` has a projection after the step.
+//! singular value less the nearest allowed one. With finite k a limit yields by f/k under a force f; with `k = ∞` it is
+//! hard. It is met as far as the sweeps have converged: add its family last. `cloth-pbd` has a projection after the
+//! step.
 //!
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or substeps,
@@ -404,15 +402,9 @@
 //!   velocities are not finite (the first such vertex is named), and if its *result* is not finite, as with a stiffness
 //!   that is NaN; with contact also by [`StepError::Contact`], above. In all cases the state is what it was before the
 //!   step, and the solver can be used again.
-//! - **The direct solver** may besides be refused with [`BuildError::MatrixTooLarge`], and its step with
-//!   [`StepError::NotPositiveDefinite`] or [`StepError::LineSearchStalled`].
-//! - **A state or load of the wrong length** is a bug of the caller and panics.
-//! - **Degenerate elements are no error.** The two ends of a spring that coincide are driven apart in a direction that
-//!   depends on their numbers only; a row whose gradient vanishes (of a triangle that has become a point) moves
-//!   nothing, and neither do rows between prescribed vertices and rows of zero stiffness.
-//! - **Meshes and masses** are checked where they are made: `Particles::new` refuses masses that are not positive and
-//!   finite, `TriMesh::new` triangles without area, `Cloth::on` edges of three triangles. An element made by hand on
-//!   such a rest shape has no stiffness, or coefficients that are not finite: its first step is refused.
+//! - **The direct solver** may besides return [`BuildError::MatrixTooLarge`], [`StepError::NotPositiveDefinite`] and
+//!   [`StepError::LineSearchStalled`]. **A state or load of the wrong length** is a bug of the caller and panics.
+//! - **Degenerate elements are no error**: what each does is [with `XpbdBuilder`](XpbdBuilder#elements).
 //! - **No convergence test.** A step makes its sweeps and reports [`Outcome::BudgetSpent`](cloth_core::step::Outcome).
 //!   How far `C + α̃λ` is from zero, and how to read that, is with [`XpbdSolver::compliance_residual`].
 //!
@@ -460,11 +452,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! k must depend neither on x nor on the time of `set_time`: the update takes it as a constant. An inequality, whose
-//! row is free on one side, also needs [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows): `rows` have
-//! neither value nor gradient where it is free, so no visit could take back the λ of an earlier one. An element whose
-//! one row has a unit gradient, or whose rows are linear coordinates, may say so (`row_form`) and is swept faster; the
+//! k must depend neither on x nor on the time of `set_time`: the update takes it as a constant. An element whose one
+//! row has a unit gradient, or whose rows are linear coordinates, may say so (`row_form`) and is swept faster; the
 //! direct solver asks for `geometric_stiffness`, which has a default.
+//!
+//! **An inequality** is free on one side, as a wall that keeps a vertex at φ = x ≥ 0. There its rows have neither value
+//! nor gradient, so no visit could take back the λ of an earlier one. Therefore it shows φ twice.
+//! [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows) gives
+//! `Some([DeadZoneRow { value, gradient, range, stiffness }])`, with φ and ∂φ not cut off, and in `range` the φ at
+//! which nothing acts, here `[0.0, f64::INFINITY]`. `rows` gives the [`row`](cloth_core::element::DeadZoneRow::row) of
+//! that, `C = φ − clamp(φ)`. The solver keeps the sign of λ, and does not damp the row.
+//! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) is an example.
 //!
 //! # What a sweep costs
 //! The sweeps of a step take substeps × iterations × Σ elements × the time of one: 5 to 6 ns for a spring, 8 to 13 for
@@ -484,33 +482,38 @@
 //!   | 1/240 | 2.7e-5 | 7.0e-6 |
 //!   | 1/960 | 1.4e-7 | 1.4e-7 |
 //!
-//! - For the same reason forces read from λ miss the balance at rest by an amount of order h² where links turn from x̃
-//!   to x within a substep, as those of a rope between two pins do; in a straight chain they are exact. `direct.rs`,
-//!   *What one sees of it*, has both in millimetres and per cent.
-//! - Gauss–Seidel needs more sweeps on a finer mesh; truncated early, a stiff cloth is softer than its k. A straight
-//!   chain of N rigid links, hung by one end, keeps `cos²(π/(2N))` of the error per sweep;
-//!   [`XpbdConfig`](XpbdConfig#how-fast-sweeps-converge) has the rate by stiffness, mesh and mass ratio.
+//! - For the same reason forces read from λ miss the balance at rest by order h² where links turn from x̃ to x, as
+//!   those of a rope between two pins do; in a straight chain they are exact (`direct.rs`, *What one sees of it*).
+//! - Gauss–Seidel needs more sweeps on a finer mesh; truncated early, a stiff cloth is softer than its k.
+//!   [Rates](XpbdConfig#how-fast-sweeps-converge) by stiffness, mesh and mass ratio.
 //! - **Stability**: for linear equality rows each visit of Gauss–Seidel, with a relaxation between 0 and 2, lowers
-//!   `½ λᵀ(J M⁻¹ Jᵀ + α̃)λ + λᵀC(x̃)`. From step to step nothing is proved; `energy_gain` watches it.
+//!   `½ λᵀ(J M⁻¹ Jᵀ + α̃)λ + λᵀC(x̃)`, and converged sweeps take backward Euler's step, which gains no energy at any h.
+//!   For fewer sweeps, or rows that turn, nothing is proved from step to step, and [energy can be
+//!   gained](#steps-that-gain-energy). Tested (`chapter/robustness.rs`): a sheet let go from any tangle, at any
+//!   stiffness, stays finite with Δt up to 1 s; one of 10⁴ N/m hangs once its kinetic energy is taken out at each peak.
 //!   [`Sweep::PlainJacobi`] diverges in cloth unless it is relaxed.
+//! - **Order**: the step is backward Euler's, of order 1 in h. BDF2 would make it 2, by the same sweeps with 2h/3 for h
+//!   in α̃ and `x̃ = (4x⁰ − x⁻¹)/3 + (2h/3) (4v⁰ − v⁻¹)/3 + (4h²/9) M⁻¹ f_ext`, x⁻¹ and v⁻¹ of the substep before. It
+//!   is not offered: a step would depend on more than the state, and begin anew at every impact, and one sweep leaves
+//!   more strain than the order gains.
 //! - Linear momentum is conserved to round-off in free flight: `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ` is zero for every C that is
 //!   invariant under translation. Angular momentum is lost, to order h, as in implicit Euler: a correction has no
-//!   moment about the positions at its visit, but they turn in the substep. Energy is lost, too, where sweeps converge;
-//!   unconverged ones leave stretch that holds elastic energy ½ k C² which nothing has put in; see [contact](#contact).
+//!   moment about the positions at its visit, but they turn in the substep. Energy is lost, too, where sweeps converge.
 //! - A substep moves a vertex by some g h², beside positions that are rounded to 10⁻¹⁶ of their size: at 1 m and h =
 //!   10⁻⁶ s a correction has five digits left. For single precision see `single`, which adds up displacements.
-//! - Damping does not act on hard rows, which do not move, on limits, whose damper would push, nor on rigid motion.
+//! - Damping does not act on hard rows, which have no rate, on limits, whose damper would push, nor on rigid motion.
 //! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before
 //!   (`chapter/guide.rs`). Ringing is energy of a stop left in springs: take more substeps or damping.
 //! - **Locking** comes from the mesh; converged sweeps have it as any method has. By Euler's formula a sheet of V
-//!   vertices and E edges that cannot stretch (one piece, no holes) has 3V − E = B + 3 motions, the six rigid ones
-//!   among them, B the edges of its boundary. To choose a surface freely takes about V numbers, one height a vertex:
-//!   far more, the more so the finer the mesh. A flat sheet folds along straight lines of edges across it; most other
-//!   bends stretch springs. Remedies: [`SpringLaw`](cloth_core::cloth::SpringLaw), `cloth_core::dof`.
+//!   vertices and e edges that cannot stretch (one piece, no holes) has 3V − e = B + 3 motions, the six rigid ones
+//!   among them, B the edges of its boundary. A free surface takes about V numbers, one height a vertex: far more. A
+//!   flat sheet folds along straight lines of edges across it; most other bends stretch springs. Remedies:
+//!   [`SpringLaw`](cloth_core::cloth::SpringLaw), `cloth_core::dof`.
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
-//! 2-core AMD EPYC Zen 4, commit 6d27035, `cloth-bench study convergence`):
+//! 2-core AMD EPYC Zen 4, commit 6d27035, `cloth-bench study convergence`; without `energy_gain`, in single steps,
+//! whose times for XPBD are both 1.8 ms and 0.24 ms a substep):
 //!
 //! | method | ms per step | largest stretch at the end |
 //! |---|---|---|
@@ -523,11 +526,10 @@
 //!   faster, so the cost grows with its cube or more. At 64 a side others are cheaper for the same strain.
 //! - **A wanted error**: no number of iterations brings it to the implicit Euler step. Take implicit Euler.
 //! - **Motion with little numerical damping**: take BDF2, or the implicit midpoint rule where the step resolves the
-//!   springs (both of `cloth-massspring`); substeps only lower the damping here.
+//!   springs (`cloth-massspring`); substeps only lower the damping here.
 //! - **Mass ratios far from 1** along chains: the direct solver.
 //! - **Energies that are not `½ k C²`** with constant k in a few rows, as cubic shells. (Stable neo-Hookean solids can
-//!   be written as two rows: Macklin and Müller 2021.) Isotropic materials only: no moduli of their own along warp and
-//!   weft. (Springs made by hand may each have a k.)
+//!   be written as two rows: Macklin and Müller 2021.) Isotropic materials only, or springs by hand.
 //!
 //! It is at its best with few constraints, hard ones beside soft ones, limits, and where some strain may be seen.
 //!
@@ -537,15 +539,12 @@
 //! 3. `update.rs`: Δλ and damping. In `cloth-core/src/method`: `coloring.rs`; in its `position_based`: `correction.rs`
 //!    (one element), `families.rs` (the sweep), `motion.rs` (prediction, velocities, contact), `chebyshev.rs`.
 //! 4. `substeps.rs`, `refinement.rs`, `forces.rs`, `links.rs` with `examples/rigid_links.rs`.
-//! 5. `direct.rs`, which names the files of its folder.
-//! 6. `single.rs` and its folder.
+//! 5. `direct.rs`, which names the files of its folder; `single.rs` and its folder.
 //!
-//! `tests/all/chapter.rs` and its folder test what this page claims; its head lists the closed forms that the solver
-//! meets, and to which tolerance. `cloth-bench law xpbd-constraint` and its like print such a form beside the code.
+//! `tests/all/chapter.rs` and its folder test what this page claims; its head lists the closed forms.
 //!
 //! # Differences from the papers
-//! - [Damping](#damping) takes C − C⁰, not ∂C/∂x·(x − x⁰), and does not act on limits.
-//! - The rows of an element are solved together. [`Chebyshev`] takes symmetric sweeps and extrapolates λ with x.
+//! - [Damping](#damping) takes C − C⁰; rows of an element are solved together; [`Chebyshev`] takes symmetric sweeps.
 //! - Limits and contact accumulate a λ of one sign, contact with a compliance; friction has one μ, paths are tested.
 //!
 //! # References
@@ -562,9 +561,8 @@
 //!   <https://doi.org/10.1016/j.jvcir.2007.01.005>: the method that it extends.
 //! - M. Müller, M. Macklin, N. Chentanez, S. Jeschke, T.-Y. Kim, "Detailed rigid body simulation with extended position
 //!   based dynamics", Computer Graphics Forum 39(8), 2020, <https://doi.org/10.1111/cgf.14105>: friction, restitution.
-//! - X. Provot, "Collision and self-collision handling in cloth model dedicated to design garments", 1997; R. Bridson,
-//!   R. Fedkiw, J. Anderson, "Robust treatment of collisions, contact and friction for cloth animation", ACM Trans.
-//!   Graph. 21(3), 2002, <https://doi.org/10.1145/566654.566623>: impact zones.
+//! - X. Provot, "Collision and self-collision handling in cloth model dedicated to design garments", 1997; R. Bridson
+//!   et al., "Robust treatment of collisions …", SIGGRAPH 2002, <https://doi.org/10.1145/566654.566623>: impact zones.
 //!
 //! XPBD is reported to be covered by US patent 11,270,041: whether that concerns you is for you to check.
 

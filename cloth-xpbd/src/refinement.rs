@@ -5,20 +5,21 @@
 //! will be. It shows in the balance of a step,
 //!
 //! ```text
-//! gain = (K + E after) − (K + E before) − work of gravity, loads, prescribed vertices and contact,
+//! gain = (K + E after) − (K + E before) − work of gravity, loads, air, prescribed vertices and contact,
 //! ```
 //!
 //! with `E = ½ Σ k C²` over all rows of finite stiffness. (A hard row stores nothing.) XPBD loses energy in most steps,
-//! so a gain is a sure sign. Gains are summed over the steps and losses taken off, but the sum is never below zero. A
-//! step that adds to the sum and lifts it above τ times the scale of energy is repeated from its start with twice as
-//! many substeps, and the next one begins with as many. If over 0.8 of the gain is left, more substeps do not help, and
-//! the step is accepted.
+//! so a gain is a sure sign. Gains are summed over the steps and losses taken off, but the sum is never below zero.
+//! With a bound of τ times the scale of energy,
 //!
-//! Where the sum is below half of that bound, the next step begins with fewer substeps, by a factor of √2. If that step
-//! then has to be repeated, it is repeated with the number before. After any repeated step its number is kept for a
-//! while before fewer are tried again: for one step at first, then for twice as many after each further failure, up to
-//! 16. A smaller number that succeeds sets this back to one. Cloth that lies in folds needs many substeps for long, and
-//! each failed trial of fewer costs a step.
+//! - *more*: a step that adds to the sum and lifts it above the bound is repeated from its start with twice as many
+//!   substeps, and the next one begins with as many. If over 0.8 of the gain is left, more substeps do not help, and
+//!   the step is accepted;
+//! - *fewer*: where the sum is below half of the bound, the next step begins with fewer, by a factor of √2. If it then
+//!   has to be repeated, it is with the number before;
+//! - *waiting*: after a repeated step its number is kept before fewer are tried again, for one step at first, then for
+//!   twice as many after each further failure, up to 16. A smaller number that succeeds sets this back to one. Cloth in
+//!   folds needs many substeps for long, and each failed trial of fewer costs a step.
 //!
 //! The scale is, with W the work of the formula above,
 //!

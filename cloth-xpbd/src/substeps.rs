@@ -27,10 +27,11 @@
 //! `0.65 T h²/m`. (Measured, as root mean square of all edges: spheres of 0.2 to 1 m with gas inside, 362 and 1442
 //! vertices, at rest: 0.56 to 0.87; square sheets pulled at an edge, 169 and 625 vertices: 0.5 to 0.6.) It does not
 //! pass, as a swing or an impact does: cloth stays longer by it. The springs themselves yield to T by about half of
-//! `T/k`. So what the sweeps may add is
+//! `T/k`, k the largest of theirs. So what the sweeps may add is
 //!
-//! - a fiftieth of `T/k`, 4 % of what the springs do, with the largest k of the springs. That is `h² = 0.03 m/k`,
-//!   whatever T is: a fifth of the h at which sweeps yield as much as springs do;
+//! - a fiftieth of `T/k`, 4 % of what the springs do: `0.65 h²/m = 0.02/k`, so `h² = 0.031 m/k`, whatever T is. Sweeps
+//!   yield as much as springs where `0.65 h²/m = 0.5/k`, `h² = 0.77 m/k`. The h here is √(0.031/0.77), a fifth, of
+//!   that;
 //! - or 1/5000 of the wanted strain, where that is more;
 //! - a fiftieth of the wanted strain instead, where a spring is hard (k = ∞) or all have k = 0.
 //!

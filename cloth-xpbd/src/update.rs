@@ -9,9 +9,9 @@ use cloth_core::method::position_based::{ConstraintUpdate, RowEquation, RowState
 /// It is one Gauss–Seidel step on `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` (their equation 16) for one row, with λ =
 /// h² times the generalised force. The [crate documentation](crate#from-backward-euler-to-the-update) derives it.
 ///
-/// Damping adds `−β k Ċ` to the force `−k C` along the row, with `Ċ = (C − C⁰)/h` and C⁰ the value at the start
-/// of the substep: λ is to become `−k h² C − k h β (C − C⁰)`. Written for `ν = λ − k h β C⁰`, that is
-/// `C + α̃ν = 0` with `α̃ = 1/(k h (h + β))`: the update of an undamped row that starts from `ν = −k h β C⁰`
+/// Damping adds `−β k Ċ` to the force `−k C` along the row, with `Ċ = (C − C⁰)/h` and C⁰ the value at the start of the
+/// substep, with the rest data of that time: λ is to become `−k h² C − k h β (C − C⁰)`. Written for `ν = λ − k h β C⁰`,
+/// that is `C + α̃ν = 0` with `α̃ = 1/(k h (h + β))`: the update of an undamped row that starts from `ν = −k h β C⁰`
 /// instead of 0. So damping costs a sweep nothing. ν is what is accumulated.
 ///
 /// Their equation 26 takes `∂C/∂x·(x − x⁰)` for `C − C⁰`; for linear rows it is the same. Their β (N s/m), b here, is
@@ -52,7 +52,7 @@ impl XpbdUpdate {
     }
 
     /// `λ − ν = k h β C⁰` (kg m² per unit of C) of a row whose value was `start` when the substep began; 0
-    /// where the product overflows, as for a hard row, which does not move.
+    /// where the product overflows, as for a hard row, which has no rate.
     pub(crate) fn offset(self, stiffness: Real, start: Real) -> Real {
         let offset = stiffness * self.substep * self.damping * start;
         if offset.is_finite() { offset } else { 0.0 }
