@@ -17,16 +17,17 @@
 //! F(v₀) − D (v − v₀),   D = Σ ⅓ ½ ρ A (|u·n| (C_D + C_L |cos θ|) I + (C_D |u·n| + C_L |u| sin² θ) n nᵀ)
 //!
 //! with v₀ at its start and D (kg/s) of each vertex the sum over its triangles ([`Air::linearize`]). D is not the whole
-//! derivative: what couples n to the directions along the surface, and what couples the corners, is left at the start.
-//! What is kept is positive semidefinite, since all its terms are. Take the axes n, t along the part of u in the
-//! surface, and b across both. There D is diagonal, with, in units of `½ ρ A |u|` for the whole triangle,
+//! derivative. It does not couple n to the directions along the surface. And each corner has ⅓ F of the mean of three
+//! velocities, which is 1/9 of ∂F/∂u in each of nine blocks; D lumps the three of a row onto the diagonal. So it damps
+//! a common motion of the corners alike, others more. D is positive semidefinite, as all its terms are. Along n, along
+//! t of the part of u in the surface, and along b across both it has, in `½ ρ A |u|` for the whole triangle,
 //!
 //! n: `2 C_D cos θ + C_L`,  t and b: `C_D cos θ + C_L cos² θ`.
 //!
 //! The diagonal of −∂F/∂v has `2 C_D cos θ + C_L sin⁴ θ` for n, `C_D cos θ − C_L cos⁴ θ` for t and `C_D cos θ − C_L
-//! cos² θ` for b. So from a motion along one of the axes D takes no less than the whole. (From one between n and t it
-//! may take less: of drag alone, by up to `½ C_D sin θ`.) What a free triangle makes of it: with its mass m, u becomes
-//! u − δ, where `(m/h + D) δ = F`. Without m/h, δ would be
+//! cos² θ` for b. So along each of the axes D damps a motion no less than the whole derivative would. (Between n and t
+//! it may damp less: of drag alone, by up to `½ C_D sin θ`.) What a free triangle makes of it: with its mass m, u
+//! becomes u − δ, where `(m/h + D) δ = F`. Without m/h, δ would be
 //!
 //! n: `u_n (C_D cos θ + C_L sin² θ)/(2 C_D cos θ + C_L)`,  t: `u_t (C_D − C_L cos θ)/(C_D + C_L cos θ)`,
 //!
@@ -152,7 +153,8 @@ impl Air {
         })
     }
 
-    /// The largest pressure (Pa) of the wind on cloth at rest, across it.
+    /// A bound on the force per area (Pa) of the wind w on cloth at rest, `½ ρ (C_D + C_L) w²`. Without lift cloth
+    /// across the wind feels all of it; with `C_L ≤ C_D` the most that any cloth feels is `½ ρ C_D w²`.
     #[must_use]
     pub fn largest_pressure(&self) -> Real {
         let AirConfig {

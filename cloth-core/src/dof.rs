@@ -13,8 +13,10 @@
 //! # What to use when
 //!
 //! Stiff edges lock a fold that finds no lines of edges to bend about. All figures are of
-//! `cloth-bench study locking --quick`, 16 cells a side: a fold under its own weight about a diagonal, as the bending
-//! energy it reaches over that of an inextensible sheet, when the modulus Y goes from 10⁴ to 10⁶ N/m.
+//! `cloth-bench study locking --quick`, 16 cells a side: a fold under its own weight about a diagonal, when the modulus
+//! Y goes from 10⁴ to 10⁶ N/m. They are its bending energy over that of an elastica: an inextensible sheet that bends
+//! about this axis alone, with the rigidity of the hinges about it. Where nothing locks the sheet may curve across too,
+//! which makes it softer: then it reaches more than 1.
 //!
 //! | sheet of springs | bending reached |
 //! |---|---|
@@ -25,10 +27,10 @@
 //! | irregular | 1.03, then 0.53 |
 //! | one-way grid, fold across its diagonals | 1.19, then 0.49 |
 //!
-//! Crossed and alternating grids have lines in four directions and lock least; an irregular mesh has none, and is also
-//! the one that locks most on a cone (9.1 times the energy of an inextensible sheet at 10⁸ N/m, crossed 0.94). The
-//! membrane law matters little: StVK reaches 0.51 and ARAP 0.33 in the last row. The remedies there, at 10⁶ N/m, and
-//! what they break at 2 % strain:
+//! Where folds may run in any direction, crossed and alternating grids lock least, as they have lines in four of them.
+//! An irregular mesh has none, and is also the one that locks most on a cone (9.1 times the energy of an inextensible
+//! sheet at 10⁸ N/m, crossed 0.94). With other membranes than springs the last row ends at 0.51 (StVK) and 0.33 (ARAP).
+//! The remedies there, at 10⁶ N/m, and what they break at 2 % strain:
 //!
 //! | remedy | bending reached | what it breaks |
 //! |---|---|---|
@@ -42,13 +44,12 @@
 //!
 //! So: on a grid take the crossed pattern first, which costs nothing but a vertex more in each cell. Where the mesh is
 //! given, weaker springs under compression are the cheapest cure; folds shorten edges, and cloth hardly resists being
-//! pushed in its plane anyway. A coarse level frees more, 775 of 867 coordinates where springs leave 67, and no bend
-//! costs its links anything; but what stretches over a few edges only hardly meets it. Midpoints are for those who need
-//! the membrane as it is.
+//! pushed in its plane anyway. A coarse level frees more: of the 3·17² = 867 coordinates rigid springs on all edges
+//! leave 67 free, its links 775. No bend costs the links anything, but stretch over a few edges hardly meets them.
+//! Midpoints are for those who need the membrane as it is.
 //!
-//! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16. Midpoints
-//! stay below 1 on every mesh, because triangles that are joined at one point can bend where a sheet could not. The
-//! method does not matter as long as it solves the cloth it is given.
+//! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16. The method
+//! does not matter as long as it solves the cloth it is given.
 //!
 //! At what size of edges does a mesh lock? A sheet that is bent to a cylinder of radius R, with all of its vertices on
 //! that surface, stores in its springs as much as in its hinges at the edge length `l* = (702 D R²/Y)^¼`. The reason:
@@ -56,10 +57,10 @@
 //! cos⁴ φ/(24 R²)`. Equilateral springs store `½ Y Σ ε²` per area, summed over the three directions of edges, and `Σ
 //! cos⁸ φ` is 105/128 in the mean over all φ. Hinges store `½ D/R²`, so `702 ≈ 24²·128/105`.
 //!
-//! It is confirmed for equilateral triangles on a cone, with 16 to 128 cells a side and Y from 10³ to 10⁸ N/m, to 6 %,
-//! as long as they stay on it. A sheet between clamps leaves the surface and gets rid of all but 2 % of that, so l* is
-//! where locking can begin and not where it has to: of 40 kinds of sheets that fold under their own weight, 8 lose half
-//! of their bending, at edge lengths between 0.9 and 2.8 l*. As a sharp number it is refuted.
+//! For equilateral triangles with all vertices on a cone that is right to 6 %, with 16 to 128 cells a side and Y from
+//! 10³ to 10⁸ N/m. A sheet between clamps leaves the surface and gets rid of all but 2 % of the energy of its springs.
+//! So l* is about where locking can begin, not where it has to: of 40 kinds of sheets that fold under their own weight
+//! 8 lose half of their bending, at edge lengths between 0.9 and 2.8 l*.
 //!
 //! # How the rank is found
 //!

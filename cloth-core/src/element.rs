@@ -9,8 +9,7 @@
 //! | [`Constraint`] | rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²` | PBD, XPBD |
 //! | [`Projective`] | `E = ½ w ‖S x − p‖²`, `p` the nearest point of a set | projective dynamics |
 //!
-//! A `Constraint` is an `Energy` without further code: the blanket implementation below is the
-//! line where the one becomes the other. That is why there is no `impl Energy for Spring` to be found.
+//! A `Constraint` is an `Energy` without further code, by a blanket implementation.
 //!
 //! # A new element
 //!
@@ -82,15 +81,13 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
         let _ = time;
     }
 
-    /// Whether a preconditioner takes it by [`Convexity::GaussNewton`], whatever is asked for, to be spared eigenvalues
-    /// that are found numerically ([`lumped_assembly`](crate::method::family::Energies::lumped_assembly)). Set it only
-    /// where that matrix is good enough: a direction in which the Hessian is stiff has to be stiff in it too. So an
-    /// [`AreaTriangle`](crate::energy::AreaTriangle) leaves it false, though its eigenvalues are numerical: a stretched
-    /// one resists motion out of its plane by its curvature alone.
+    /// Whether a preconditioner takes it by [`Convexity::GaussNewton`], whatever is asked for, since its eigenvalues
+    /// are found numerically ([`lumped_assembly`](crate::method::family::Energies::lumped_assembly)). Set it only where
+    /// that matrix is stiff in every direction in which the Hessian is: not in an [`crate::energy::AreaTriangle`],
+    /// which resists motion out of its plane by its curvature alone.
     const HAS_NUMERICAL_EIGENVALUES: bool = false;
 
-    /// Whether [`Elements`] has a case for them. A builder then takes them as it takes a whole cloth, which is compiled
-    /// in its own crate, and not once more wherever it is called. Elements of your own leave it out.
+    /// Whether [`Elements`] has a case for them, which a builder takes then. Elements of your own leave it out.
     #[doc(hidden)]
     const IS_IN_ELEMENTS: bool = false;
 
@@ -211,13 +208,13 @@ pub trait Energy<const N: usize>: Element<N> {
     /// `∂²E/∂xᵢ∂xⱼ` (N/m).
     fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N>;
 
-    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], for a *mixed* method.
+    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], for *mixed* methods, which have forces as unknowns beside
+    /// the positions. Only the quasi-Newton method of `cloth-massspring` uses it, to begin a step.
     ///
-    /// Such a method has the forces as unknowns beside the positions. In an iteration from `from` to `to` (m) they
-    /// follow the linearised constraint: the force that it predicts is `k (C(from) + ∂C(from)·(to − from))`, and not `k
-    /// C(to)`. The Hessian has the curvature `Σ k C ∂²C`. Here its factor `k C` is the predicted force
-    /// ([`Constraint::mixed_curvature`] has the reason), and all else is taken at `x`. The quasi-Newton method of
-    /// `cloth-massspring` begins every step with it. An energy that predicts no force gives its Hessian at `x`.
+    /// In an iteration from `from` to `to` (m) the forces of a mixed method follow the linearised constraint: `k
+    /// (C(from) + ∂C(from)·(to − from))`, not `k C(to)`. That is `k C` in the curvature `Σ k C ∂²C` here
+    /// ([`Constraint::mixed_curvature`] has the reason), and all else is taken at `x`. An energy that predicts no force
+    /// gives its Hessian at `x`.
     #[inline]
     fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         let _ = (from, to);

@@ -25,7 +25,8 @@
 //! ```
 //!
 //! A simulation needs this and a method: `use cloth_core::{…}` and `use cloth_xpbd::{XpbdSolver, …}`, or another crate.
-//! What it takes from here stands at the root of this crate; [`method`] is for those who write methods.
+//! What it takes from here stands at the root of this crate; [`method`] is for those who write methods. The same
+//! energies as plain loops over arrays are in `examples/first_program.rs`.
 //!
 //! # The idea
 //!
@@ -72,15 +73,13 @@
 //! | `M` | [`particles::Particles`] |
 //! | drag and lift of the air | [`air::Air`] |
 //! | gas, or a volume, inside a closed mesh | [`enclosure::Pressure`], [`enclosure::ClosedVolume`] |
-//! | `E = ½ Σ k C²` from constraint rows | [`element::Constraint`] |
+//! | `E = ½ Σ k C²`, with a *row* for each scalar C | [`element::Constraint`] |
 //! | `E = ½ w ‖S x − p‖²` | [`element::Projective`] |
 //! | `3V − E = 3χ + E_b` | [`topology::Topology`]; the rank: `dof::EdgeRank` |
 //!
-//! Each file defines its letters, and names the paper that its equations come from.
-//!
 //! # Limits
 //!
-//! - Stiff edges *lock* a mesh: how much of a fold each membrane, mesh and remedy leaves is measured in `dof`.
+//! - A mesh of stiff edges *locks*: it folds only along lines of edges. `dof` has how much, by mesh and remedy.
 //! - No element damps: there is no material damping (Rayleigh) here. What damps is the integrator, as above, and what a
 //!   method adds to it: `cloth-massspring` and `cloth-xpbd` have settings for that.
 //! - Double precision throughout; the scalar is chosen in [`math`] and nowhere else.
@@ -123,9 +122,9 @@
 //!
 //! # Features
 //!
-//! `parallel` (default): sweeps, energies, matrices and multigrid on rayon's threads, with the same bits as without; a
-//! multigrid cycle with contacts between vertices smooths on one thread. `cholesky`: the factorisations of
-//! [`method::linear`], and `dof`, over faer.
+//! `parallel` (default): sweeps, energies, the assembly of matrices, and multigrid on rayon's threads, with the same
+//! bits as without; a multigrid cycle with contacts between vertices smooths on one thread. `cholesky`: the
+//! factorisations of [`method::linear`], and `dof`, over faer.
 //!
 //! # The files, in reading order
 

@@ -1,17 +1,10 @@
 //! Remedies against locking for springs on edges: how they resist a change of length, and which edges have one.
 //!
 //! A sheet of stiff edges has the freedom of its boundary only, `3χ + E_b`, and cannot fold where its mesh does not
-//! happen to have a line ([`crate::dof`]). Each remedy buys freedom and gives something up:
-//!
-//! | remedy | freedom | what it breaks |
-//! |---|---|---|
-//! | [`SpringLaw::Compression`] with fraction r | edges may shorten | the sheet is r times as stiff when pushed as when pulled |
-//! | [`SpringLaw::DeadZone`] | lengths are free in a range | nothing holds a length within the range: cloth gives by that much before it holds |
-//! | [`SpringEdges::DofFraction`], [`SpringEdges::Quads`] | 3V − E grows by 1 with every edge left out | stiffness against shear; with no diagonal left on a grid it is zero, and a wanted modulus is missed |
-//! | [`CoarseMembrane`](super::CoarseMembrane) | all lengths, but for those of a coarser level that grow | stretch over short distances is hardly resisted; pushed, the sheet is softer |
-//!
-//! How much each frees and breaks is measured: the table in [`crate::dof`]. With a fifth of the coordinates free, for
-//! instance, a grid keeps 0.58 of its energy when it is sheared, and with no diagonal left 2e-4.
+//! happen to have a line. Each remedy buys freedom and gives something up; the table in [`crate::dof`] has how much.
+//! Under [`SpringLaw::Compression`] edges may shorten, in a [`SpringLaw::DeadZone`] lengths are free within a range.
+//! `3V − E` grows by 1 with every edge that [`SpringEdges`] leave out; with no diagonal left a grid resists no shear to
+//! first order, and a wanted modulus is missed. [`CoarseMembrane`](super::CoarseMembrane) is the fourth.
 //!
 //! All of them are made of [`Spring`] and [`StrainLimitSpring`], which have all three views, so every method takes
 //! them.

@@ -6,9 +6,7 @@ use crate::math::{Real, Vec3};
 /// One row whose gradient is a unit vector at every vertex, not yet divided by its length:
 /// `∂C/∂xᵢ = direction[i] / length`.
 ///
-/// The direction of a spring is a difference of positions over its length. A sweep that divides by the length waits for
-/// a root, then for a division, then for the division that gives Δλ. With the difference itself the last one takes in
-/// the other: `Δλ/l = −C/((w̃ + α̃) l)`, and `w̃ = Σ wᵢ` needs no gradient at all.
+/// So a sweep divides once: `Δλ/l = −C/((w̃ + α̃) l)`, and `w̃ = Σ wᵢ` needs no gradient at all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitRow<const N: usize> {
     /// `C(x)`, zero at rest (m).

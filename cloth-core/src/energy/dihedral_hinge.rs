@@ -37,10 +37,12 @@ pub enum HingeLaw {
 ///
 /// `θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)`, with `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e`.
 ///
-/// One row. By the first law `C = θ − θ₀` (rad), wrapped into [−π, π], so that `E` stays continuous
-/// when a wing passes from π to −π; by the second the root of `2E/K`, with the sign of `θ − θ₀`. The gradient of θ is
-/// `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge by the lever rule:
-/// `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with `tᵢ = (xᵢ − x₀)·e/‖e‖²`.
+/// One row. By the first law `C = θ − θ₀` (rad), wrapped into [−π, π], so that `E` stays continuous when a wing passes
+/// from π to −π; by the second the root of `2E/K`, with the sign of `θ − θ₀`. A tip that moves in the plane of its wing
+/// leaves θ as it is. One that moves by δ along the normal turns its wing, and lowers θ, by δ over its height above the
+/// edge, which is `‖n₂‖/‖e‖` (twice the area over the base). So `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`.
+/// Rigid motions leave θ as it is, so the ends of the edge have the opposite, by the lever rule: `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ −
+/// t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with `tᵢ = (xᵢ − x₀)·e/‖e‖²`.
 ///
 /// The Hessian, wing by wing. With `d = x₂ − x₀`, `n = e × d = n₂`, `n̂ = n/‖n‖`, `ê = e/‖e‖`, `t = d·e/‖e‖²` and
 /// `g = ∂θ/∂x₂ = −‖e‖ n/‖n‖²`, the derivatives of g and of the part −t g that `x₁` gets are

@@ -56,8 +56,7 @@ impl<A: Cut, B: Cut> Cut for (A, B) {
     }
 }
 
-/// Hands `vectors` to `work` chunk by chunk, with the number of the first vertex, and adds up what it returns. The
-/// loops of `work` are compiled for wide registers too if they are inlined.
+/// Hands `vectors` to `work` chunk by chunk, with the number of the first vertex, and adds up what it returns.
 #[inline]
 pub fn map_reduce<V: Cut, const M: usize>(
     vectors: V,

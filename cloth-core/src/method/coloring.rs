@@ -125,10 +125,9 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
         self.stencils.stages()
     }
 
-    /// Visits every element once. `visit` gets the element, its slot of the method's own memory, and a copy of its
-    /// vertices' positions, which is stored back afterwards. It should be `#[inline(always)]`, because it is compiled
-    /// for more than one kind of processor. Positions are what the method takes for them: three numbers (m), or a
-    /// register of four.
+    /// Visits every element once. `visit`, best `#[inline(always)]`, gets the element, its slot of the method's own
+    /// memory, and a copy of its vertices' positions (m), in whatever form the method has them, which is stored back
+    /// afterwards.
     ///
     /// With the feature `parallel`, stages large enough to be worth it are split over rayon's threads; the result has
     /// the same bits as on one thread.

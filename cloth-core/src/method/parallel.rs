@@ -59,11 +59,9 @@ pub fn join<A, B>(_: usize, first: impl FnOnce() -> A, second: impl FnOnce() -> 
 
 /// Runs `work`, compiled for registers of four numbers if the processor has them.
 ///
-/// A program for any processor of its kind may use the registers that all of them have, which on x86-64 hold two
-/// numbers. What is run here is compiled a second time for registers of four, and the processor is asked which of the
-/// two it can execute. Both do the same operations in the same order (a product and a sum are never fused), so the
-/// results have the same bits. The second compilation reaches as far as inlining does: the closure and what its loops
-/// call have to be `#[inline(always)]`.
+/// All processors of the kind x86-64 have registers of two numbers. What is run here is compiled for four as well. Both
+/// do the same operations in the same order (a product and a sum are never fused), so the results have the same bits.
+/// The closure and what its loops call have to be `#[inline(always)]`.
 #[inline(always)]
 pub fn wide<T>(work: impl FnOnce() -> T) -> T {
     #[cfg(target_arch = "x86_64")]
@@ -269,9 +267,7 @@ unsafe fn visit_part<const BACK: bool, const N: usize, E, A, P: Copy>(
     unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
 }
 
-/// [`visit_each`] in the instructions of newer processors, with the same bits, if `visit` is inlined. A root does not
-/// wait there for whatever its target register held before. In the older instructions it does unless the compiler
-/// takes care, which can make one chain of all elements.
+/// [`visit_each`] in the instructions of newer processors, with the same bits, if `visit` is inlined.
 ///
 /// # Safety
 /// That of [`visit_each`], and the processor has AVX2.

@@ -1,7 +1,7 @@
-//! Jacobi by blocks with Chebyshev acceleration: each iterate is the best combination of all before it, if the
-//! eigenvalues of `D⁻¹A` fill the interval from a to b evenly.
+//! Jacobi by blocks with Chebyshev acceleration.
 //!
-//! An error along an eigenvector with eigenvalue λ is, after k iterations, multiplied by
+//! After k iterations an error along an eigenvector of `D⁻¹A` is multiplied by a polynomial of degree k of its
+//! eigenvalue λ, which is 1 at 0. Here it is the one that is smallest, at worst, on an interval from a to b:
 //!
 //! ```text
 //! T_k((b + a − 2λ)/(b − a)) / T_k((b + a)/(b − a))

@@ -1,7 +1,7 @@
 //! Extreme eigenvalues and condition numbers, out of the numbers that conjugate gradients make anyway.
 //!
-//! Conjugate gradients and Lanczos' process build the same basis: from the step lengths α and turns β of the former
-//! follows the tridiagonal matrix T of the latter,
+//! Conjugate gradients and Lanczos' process build the same basis. From the step lengths α of the former, and the
+//! fractions β of the last direction in the next one, follows the tridiagonal matrix T of the latter,
 //!
 //! ```text
 //! T_kk = 1/α_k + β_{k−1}/α_{k−1},    T_{k,k+1} = √β_k / α_k
@@ -104,7 +104,7 @@ impl Tridiagonal {
         self.carried = 0.0;
     }
 
-    /// Adds a step of length α and turn β.
+    /// Adds a step of length α, and β.
     pub(super) fn push(&mut self, length: Real, turn: Real) {
         if self.diagonal.len() < self.diagonal.capacity() {
             self.diagonal.push(1.0 / length + self.carried);
