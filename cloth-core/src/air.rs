@@ -19,8 +19,8 @@
 //! with v₀ at its start and D (kg/s) of each vertex the sum over its triangles ([`Air::linearize`]). D is not the whole
 //! derivative. It does not couple n to the directions along the surface. And each corner has ⅓ F of the mean of three
 //! velocities, which is 1/9 of ∂F/∂u in each of nine blocks; D lumps the three of a row onto the diagonal. So it damps
-//! a common motion of the corners alike, others more. D is positive semidefinite, as all its terms are. With t along the
-//! part of u in the surface, and b across n and t, it has, in `½ ρ A |u|` for the whole triangle,
+//! a common motion of the corners alike, others more. D is positive semidefinite, as all its terms are. With t along
+//! the part of u in the surface, and b across n and t, it has, in `½ ρ A |u|` for the whole triangle,
 //!
 //! n: `2 C_D cos θ + C_L`,  t and b: `C_D cos θ + C_L cos² θ`.
 //!
