@@ -9,8 +9,8 @@
 //! | `html` | `run.html` | 16 bits a coordinate; forces of contact as colour, where they are recorded | a browser: a page that plays it |
 //!
 //! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles, animated
-//! ones too, are surfaces of their own, numbered in the order of the scene file: `obstacle1.obj`, or one file a frame
-//! (`obstacle1_00000.obj`) where they move. `obj`, `ply` and `vtk` keep the axes of the scene; `gltf` has y up, so its
+//! ones too, are surfaces of their own, numbered in the order of the scene file: `obstacle0.obj`, or one file a frame
+//! (`obstacle0_00000.obj`) where they move. `obj`, `ply` and `vtk` keep the axes of the scene; `gltf` has y up, so its
 //! root node turns the scene.
 //!
 //! A run that fails leaves the frames before the failure, complete and playable; a full disk leaves no part of a file.

@@ -433,7 +433,7 @@ fn explicit(settings: &Settings, substeps: u32) -> Result<ExplicitConfig, BenchE
 /// The energy of a scene with all that is slack taut: at the start it may resist nothing, and later all at once.
 fn taut(scene: &Scene) -> Result<Energies, BenchError> {
     let taut = |family| match family {
-        Elements::Limited(springs) => {
+        Elements::Limited(springs) | Elements::SlackLinks(springs) => {
             let one = |s: &StrainLimitSpring| {
                 Spring::along(&scene.start.positions, &[s.vertices], s.stiffness)
             };

@@ -151,6 +151,19 @@ impl<'a> Course<'a> {
                 timed.source.contacts.record_forces(self.forces);
                 self.untangling.renew(&scene, timed);
             }
+            if let Some(timed) = &mut self.contacts {
+                let contacts = &mut timed.source.contacts;
+                match change.kind {
+                    ChangeKind::Drive { body, velocities } => {
+                        let driven = contacts.set_velocities(body, velocities);
+                        driven.map_err(BenchError::failed)?;
+                    }
+                    ChangeKind::LetGo { body } => {
+                        contacts.hold_body(body, false);
+                    }
+                    _ => {}
+                }
+            }
             if let (ChangeKind::Sew { .. }, Some(timed)) = (&change.kind, &mut self.contacts) {
                 let seam = scene.model.seam();
                 let (pairs, onto_edges) = (seam.sewn_pairs(), seam.sewn_onto_edges());

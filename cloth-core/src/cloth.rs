@@ -222,9 +222,9 @@ impl ClothModel {
     }
 
     /// Adds *fastenings*, elements that hold the cloth to something and do not come from its mesh: [`Elements::Links`],
-    /// [`Elements::SoftPins`] and stitches; empty families are dropped. Whether their vertices exist is checked where
-    /// the energies or a solver are built. Elements of another kind are added too, but are none of the
-    /// [`ClothModel::fastenings`].
+    /// [`Elements::SlackLinks`], [`Elements::SoftPins`] and stitches; empty families are dropped. Whether their vertices
+    /// exist is checked where the energies or a solver are built. Elements of another kind are added too, but are none
+    /// of the [`ClothModel::fastenings`].
     pub fn fasten(&mut self, fastenings: impl IntoIterator<Item = Elements>) {
         for fastening in fastenings {
             if !fastening.is_empty() {
@@ -239,6 +239,7 @@ impl ClothModel {
             matches!(
                 family,
                 Elements::Links(_)
+                    | Elements::SlackLinks(_)
                     | Elements::SoftPins(_)
                     | Elements::Stitches(_)
                     | Elements::EdgeStitches(_)

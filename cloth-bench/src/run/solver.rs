@@ -83,7 +83,7 @@ impl<'a> Solver<'a> {
         match &change.kind {
             ChangeKind::Hold { vertices, .. } => self.stepper().set_prescribed(vertices, true),
             ChangeKind::Release { vertices } => self.stepper().set_prescribed(vertices, false),
-            ChangeKind::Push { .. } => true,
+            ChangeKind::Push { .. } | ChangeKind::Drive { .. } | ChangeKind::LetGo { .. } => true,
             ChangeKind::Tear { .. } => self.loses(&after.model.families()),
             ChangeKind::Tie { .. } | ChangeKind::Untie { .. } | ChangeKind::Sew { .. } => false,
         }

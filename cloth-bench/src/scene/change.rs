@@ -1,5 +1,5 @@
 //! What happens to a cloth on the way: vertices are held, pushed and released, triangles torn out, borders sewn
-//! together.
+//! together, bodies driven and let go.
 
 use super::Scene;
 use crate::error::BenchError;
@@ -65,6 +65,18 @@ pub enum ChangeKind {
         force: Vec3,
         /// When it ends (s since the start): it acts in steps that begin before.
         until: Option<Real>,
+    },
+    /// A body that moves as it is told has other velocities from now on.
+    Drive {
+        /// Its number in contact.
+        body: usize,
+        /// Its velocity (m/s), and its angular velocity (rad/s) about its position.
+        velocities: [Vec3; 2],
+    },
+    /// A body that the cloth pushes, and that has been held until now, is let go.
+    LetGo {
+        /// Its number in contact.
+        body: usize,
     },
     /// Triangles vanish, with all elements that need them. Masses, links, stitches and ties stay.
     Tear {
@@ -132,6 +144,15 @@ impl Scene {
                 scene.model.sew(seam);
             }
             ChangeKind::Push { .. } => {}
+            ChangeKind::Drive { body, velocities } => {
+                if let Some(touch) = &mut scene.touch {
+                    touch.drive(*body, *velocities, state.time)?;
+                }
+            }
+            ChangeKind::LetGo { body } => {
+                let touch = scene.touch.iter_mut();
+                touch.for_each(|touch| touch.held.retain(|held| held != body));
+            }
             ChangeKind::Tear {
                 mesh,
                 model,

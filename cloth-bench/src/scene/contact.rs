@@ -10,7 +10,7 @@ use cloth_collide::obstacle::{AnimatedMesh, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::{BroadPhaseKind, SeparationProbe};
 use cloth_core::energy::Seam;
-use cloth_core::math::Real;
+use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
 crate::settings! {
@@ -180,6 +180,9 @@ pub struct ContactSetup {
     kinds: Vec<&'static str>,
     /// Those of them that the cloth pushes, by their numbers.
     free: Vec<(usize, RigidBody)>,
+    /// Those of them that are held, and bodies that will be driven otherwise than at the start.
+    pub(super) held: Vec<usize>,
+    pub(super) driven: Vec<usize>,
     /// Of these on their contact (rad/s); 0 without any.
     highest_frequency: Real,
     animated: Vec<(TriMesh, AnimatedMesh, Real)>,
@@ -223,8 +226,7 @@ impl ContactSetup {
                     why_hollow,
                 } => {
                     notes.extend(why_hollow.map(|why| {
-                        let place = number + 1;
-                        format!("obstacle {place} has no inside, since {why}: its triangles alone keep the cloth off")
+                        format!("obstacle {number} has no inside, since {why}: its triangles alone keep the cloth off")
                     }));
                     frictions.push(friction_of(friction));
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
@@ -283,6 +285,8 @@ impl ContactSetup {
             shapes,
             kinds,
             free: free_bodies,
+            held: Vec::new(),
+            driven: Vec::new(),
             highest_frequency,
             animated,
             numbers: [rigid_numbers, animated_numbers].concat(),
@@ -367,7 +371,11 @@ impl ContactSetup {
         for (surface, animation, friction) in &self.animated {
             contacts = contacts.animated(surface.clone(), animation.clone(), *friction);
         }
-        contacts.build().map(Some).map_err(BenchError::usage)
+        let mut contacts = contacts.build().map_err(BenchError::usage)?;
+        for &number in &self.held {
+            contacts.hold_body(number, true);
+        }
+        Ok(Some(contacts))
     }
 
     /// What counts crossings and measures distances of the cloth `mesh`.
@@ -383,7 +391,8 @@ impl ContactSetup {
     /// Whether no body moves, and none can.
     pub fn stands_still(&self) -> bool {
         let mut bodies = self.obstacles();
-        self.animated.is_empty() && self.free.is_empty() && bodies.all(|o| o.motion().is_still())
+        let none_moves = self.animated.is_empty() && self.free.is_empty() && self.driven.is_empty();
+        none_moves && bodies.all(|o| o.motion().is_still())
     }
 
     /// Whether the cloth can push the obstacle of this number.
@@ -426,7 +435,7 @@ impl ContactSetup {
         self.thickness
     }
 
-    /// Takes bodies that the cloth pushes to where they are at `time` (s).
+    /// Takes bodies to where they are at `time` (s), with the velocities that they have.
     pub(crate) fn put(
         &mut self,
         motions: impl Iterator<Item = (usize, RigidMotion)>,
@@ -443,6 +452,28 @@ impl ContactSetup {
                 .map_err(BenchError::failed)?;
         }
         Ok(())
+    }
+
+    /// Gives an obstacle other velocities (m/s, rad/s) from `time` (s) on.
+    pub(super) fn drive(
+        &mut self,
+        number: usize,
+        [velocity, angular_velocity]: [Vec3; 2],
+        time: Real,
+    ) -> Result<(), BenchError> {
+        let pose = self.obstacles[number].motion().pose_at(time);
+        let motion = RigidMotion {
+            pose,
+            velocity,
+            angular_velocity,
+        };
+        self.put([(number, motion)].into_iter(), time)
+    }
+
+    /// The number in contact of an obstacle of the scene, both from 0; of an animated surface nothing.
+    pub(super) fn rigid_body(&self, number: usize) -> Option<usize> {
+        let mut numbers = self.numbers[..self.obstacles.len()].iter();
+        numbers.position(|own| *own == number)
     }
 
     /// A sentence about each body that the cloth can push, and that starts in another one.
@@ -476,7 +507,7 @@ impl ContactSetup {
 
     /// What messages call the body of a number of contact: of an obstacle, or of an animated surface behind them.
     pub(super) fn body_name(&self, body: usize) -> String {
-        let number = self.numbers.get(body).map_or(body, |number| *number) + 1;
+        let number = self.numbers.get(body).map_or(body, |number| *number);
         let kind = self.kinds.get(body).copied().unwrap_or("animation");
         format!("obstacle {number} ({kind})")
     }

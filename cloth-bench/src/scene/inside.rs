@@ -63,7 +63,7 @@ impl Scene {
                 "the cloth starts inside obstacle {} ({}), with {} of its vertices: the deepest is vertex {named}, at \
                  ({:.4}, {:.4}, {:.4}) m, {depth:.3e} m below the surface; move it out, \
                  the thickness of {} m away, or hold what is to stay inside{advice}",
-                body.number + 1,
+                body.number,
                 body.kind,
                 inside.len(),
                 x.x,

@@ -60,7 +60,7 @@ fn obj_and_ply_hold_the_same_bits() {
     let (obj, ply) = (meshes(&obj, "obj"), meshes(&ply, "ply"));
     let names: Vec<&str> = ply.iter().map(|(name, _)| &name[..]).collect();
     let frames = (0..=5).map(|step| format!("{step:05}"));
-    let boxes = (0..=5).map(|step| format!("obstacle1_{step:05}"));
+    let boxes = (0..=5).map(|step| format!("obstacle0_{step:05}"));
     assert_eq!(names, frames.chain(boxes).collect::<Vec<_>>());
     assert_eq!(obj, ply);
     assert_eq!(told["export_frames"], 6);
@@ -78,7 +78,7 @@ fn obj_and_ply_hold_the_same_bits() {
         .into_iter()
         .map(|(name, _)| name)
         .collect();
-    assert_eq!(names, ["00000", "00002", "00004", "obstacle1"]);
+    assert_eq!(names, ["00000", "00002", "00004", "obstacle0"]);
     let size = |name: &str| std::fs::metadata(still.join(name)).unwrap().len();
     let bytes: u64 = names.iter().map(|name| size(&format!("{name}.ply"))).sum();
     assert_eq!(told["export_bytes"], bytes);
@@ -139,8 +139,8 @@ fn vtk_holds_the_same_bits_and_the_times() {
     };
     let collection = std::fs::read_to_string(vtk.join("run.pvd")).unwrap();
     for (name, mesh) in meshes(&ply, "ply") {
-        let file = match name.strip_prefix("obstacle1") {
-            Some(step) => format!("obstacle1{step}.vtp"),
+        let file = match name.strip_prefix("obstacle0") {
+            Some(step) => format!("obstacle0{step}.vtp"),
             None => format!("cloth_{name}.vtp"),
         };
         let step: f64 = name[name.len() - 5..].parse().unwrap();
@@ -357,7 +357,7 @@ fn an_animation_is_exported_where_it_is() {
         let per_frame = 3 * 7;
         assert_eq!(told["export_files"], per_frame + i32::from(format == "vtk"));
         for step in 0..=6 {
-            let name = format!("obstacle1_{step:05}");
+            let name = format!("obstacle0_{step:05}");
             let positions = if format == "vtk" {
                 let bytes = std::fs::read(to.join(format!("{name}.vtp"))).unwrap();
                 let numbers = appended(&bytes, "position").into_iter();
@@ -378,8 +378,8 @@ fn an_animation_is_exported_where_it_is() {
     let to = folder("animation-gltf");
     export(&run, "gltf", &to);
     let glb = Glb::read(&to.join("run.glb"));
-    assert_eq!(glb.json["nodes"][2]["name"], "obstacle1");
-    assert_eq!(glb.json["nodes"][3]["name"], "obstacle2");
+    assert_eq!(glb.json["nodes"][2]["name"], "obstacle0");
+    assert_eq!(glb.json["nodes"][3]["name"], "obstacle1");
     assert!(glb.animation(3, "rotation").is_some());
     let primitive = &glb.mesh_of(2)["primitives"][0];
     assert_eq!(primitive["material"], 1);

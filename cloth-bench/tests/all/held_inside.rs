@@ -50,7 +50,7 @@ fn cloth_held_in_a_body_hangs_from_it() {
         };
         let (told, code, said) = run_text("cape", CAPE, method, more);
         assert_eq!(code, 0, "{method}: {said}");
-        let warning = "held vertices are in obstacle 1 (sphere), and the triangles around them pass through it: \
+        let warning = "held vertices are in obstacle 0 (sphere), and the triangles around them pass through it: \
                        vertices 115";
         assert!(said.contains(warning), "{said}");
         let alone = CAPE.split("[[obstacle]]").next().unwrap();
@@ -71,7 +71,7 @@ fn free_cloth_in_a_body_is_refused_with_what_to_do() {
     let (_, code, said) = run_text("cape-fine", &finer, "implicit-euler", &[]);
     assert_eq!(code, 2, "{said}");
     for part in [
-        "obstacle 1 (sphere)",
+        "obstacle 0 (sphere)",
         "the deepest is vertex",
         "or hold what is to stay inside",
     ] {
@@ -90,7 +90,7 @@ fn crossing_triangles_are_named() {
     for part in [
         "step 1:",
         "the vertices 60, ",
-        "and one of obstacle 1 (sphere)",
+        "and one of obstacle 0 (sphere)",
         "untangle=yes",
     ] {
         assert!(said.contains(part), "{said}");

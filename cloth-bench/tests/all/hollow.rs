@@ -51,7 +51,7 @@ fn open_and_self_intersecting_bodies_carry_the_weight() {
         let notes: Vec<&str> = touch.notes().collect();
         assert_eq!(notes.len(), 1, "{notes:?}");
         assert!(
-            notes[0].starts_with("obstacle 1 has no inside"),
+            notes[0].starts_with("obstacle 0 has no inside"),
             "{notes:?}"
         );
         let masses = scene.model.particles.mass();
@@ -161,7 +161,7 @@ fn what_needs_an_inside_says_so_and_a_run_notes_that_there_is_none() {
     let said = String::from_utf8(out.stderr).unwrap();
     assert!(out.status.success(), "{said}");
     assert!(
-        said.contains("note: obstacle 1 has no inside, since the mesh is not closed"),
+        said.contains("note: obstacle 0 has no inside, since the mesh is not closed"),
         "{said}"
     );
 }

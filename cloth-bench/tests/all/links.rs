@@ -1,7 +1,7 @@
 //! Links between vertices, and joints, in scenes.
 
 use crate::scene_text::{scene, written};
-use cloth_bench::method::Method;
+use cloth_bench::method::{METHODS, Method};
 use cloth_bench::run::{run, to_rest};
 use cloth_bench::scene::file;
 use cloth_bench::settings::Settings;
@@ -129,4 +129,64 @@ fn what_cannot_be_linked_is_refused_with_its_line() {
         let told = told(more);
         assert!(told.contains(line) && told.contains(what), "{more}: {told}");
     }
+}
+
+/// A small sheet that hangs by its middle from one that is held, on a rope of 0.3 m.
+const ROPE: &str = "[[mesh]]\ngenerator = \"grid:3x3:alternating\"\nscale = 0.1\n[[mesh]]\n\
+    generator = \"grid:3x3:alternating\"\nscale = 0.1\ntranslate = [0, 0, -0.3]\n[[link]]\nmeshes = [0, 1]\n\
+    first = [4]\nsecond = [4]\nstiffness = 500\nslack = true\n[[pins]]\nbox = [[0, 0, -0.1], [1, 1, 0.1]]\n";
+
+/// A rope does not push: what flies towards its end flies freely, by every method but PBD, which has no stiffness.
+#[test]
+fn a_rope_lets_fly_what_comes_nearer() {
+    let scene = scene("rope", &format!("{ROPE}[start]\nvelocity = [0, 0, 1]\n"));
+    let dt = 1.0 / 240.0;
+    for method in METHODS
+        .iter()
+        .filter(|method| method.name != "explicit-euler")
+    {
+        let settings = Settings::default();
+        let mut solver = method.build(&scene, &settings, dt).unwrap();
+        let mut state = scene.start.clone();
+        let parts = method.substeps(&scene, &settings, dt).unwrap();
+        run(&scene, &mut *solver, &mut state, dt, 30, |_, _, _| Ok(())).unwrap();
+        let h = dt / f64::from(parts);
+        let rise = 30.0 * dt - 0.5 * 9.81 * h * h * method.free_fall(30 * parts);
+        for (x, start) in state.positions.iter().zip(&scene.start.positions).skip(9) {
+            let error = (x - start - Vec3::z() * rise).norm();
+            assert!(error < 1e-8, "{}: {error:e}", method.name);
+        }
+    }
+}
+
+/// At rest it carries the weight, stretched by m g/k.
+#[test]
+fn a_rope_carries_what_hangs_from_it() {
+    let scene = scene("hung", ROPE);
+    let mass: f64 = scene.model.particles.mass()[9..].iter().sum();
+    for (name, bound) in [("implicit-euler", 1e-6), ("pd", 1e-3)] {
+        let method = Method::find(name).unwrap();
+        let settings = match name {
+            "implicit-euler" => Settings::default().with("tolerance", 1e-9),
+            _ => Settings::default(),
+        };
+        let mut solver = method.build(&scene, &settings, 0.01).unwrap();
+        let mut state = scene.start.clone();
+        to_rest(&scene, &mut *solver, &mut state, 0.01, 4000, 1e-9).unwrap();
+        let stretch = (state.positions[4] - state.positions[13]).norm() - 0.3;
+        let expected = mass * 9.81 / 500.0;
+        let error = (stretch / expected - 1.0).abs();
+        assert!(error < bound, "{name}: {stretch:e} m for {expected:e}");
+    }
+}
+
+#[test]
+fn a_rope_needs_a_stiffness() {
+    let text = ROPE.replace("stiffness = 500\n", "");
+    let error = file::build(&written("stiff-rope", &text), &Settings::default()).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("a link with slack needs a stiffness (N/m)"),
+        "{error}"
+    );
 }

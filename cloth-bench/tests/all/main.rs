@@ -13,6 +13,7 @@ mod concave_edges;
 mod contact_time;
 mod crossings;
 mod crumpled;
+mod driven;
 mod energy;
 mod error;
 mod events;

@@ -52,7 +52,7 @@ fn free_body_in_another_is_told() {
     };
     let (_, said) = told("ball-in-box", &scene(0.6), &["implicit-euler"]);
     // At its lowest vertex, 0.2 m below the top.
-    let words = "obstacle 1 (sphere), which the cloth can push, starts in obstacle 2 (box), 2.000e-1 m deep";
+    let words = "obstacle 0 (sphere), which the cloth can push, starts in obstacle 1 (box), 2.000e-1 m deep";
     assert!(said.contains(words), "{said}");
     let (_, said) = told("ball-on-box", &scene(0.8), &["implicit-euler"]);
     assert!(!said.contains("starts in"), "{said}");

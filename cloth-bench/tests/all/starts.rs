@@ -82,7 +82,7 @@ fn a_start_inside_a_body_is_refused_with_body_vertex_and_depth() {
     ] {
         let said = refused(name, &format!("{}{body}", sheet(z))).unwrap();
         let whole = format!(
-            "inside obstacle 2 ({kind}), with {count} of its vertices: the deepest is vertex {vertex}, at"
+            "inside obstacle 1 ({kind}), with {count} of its vertices: the deepest is vertex {vertex}, at"
         );
         assert!(said.contains(&whole), "{said}");
         let expected = format!("{depth:.3e} m below the surface");

@@ -251,7 +251,7 @@ fn what_stays_in_a_body_is_said_with_the_body() {
     for words in [
         "untangling has not come to its end",
         "of them of the cloth and a body",
-        " of obstacle 2 (from 0)",
+        " of obstacle 1 (from 0)",
         "after 0 steps: 0 crossing pairs of the cloth with itself, ",
     ] {
         assert!(said.contains(words), "{words}: {said}");
@@ -263,7 +263,7 @@ fn what_stays_in_a_body_is_said_with_the_body() {
     let out = arguments(path.to_str().unwrap());
     let said = String::from_utf8(out.stderr).unwrap();
     let vertex =
-        "starts inside obstacle 2 (capsule), with 5 of its vertices: the deepest is vertex 4";
+        "starts inside obstacle 1 (capsule), with 5 of its vertices: the deepest is vertex 4";
     for words in [vertex, "m below the surface", "untangle=yes"] {
         assert!(said.contains(words), "{words}: {said}");
     }

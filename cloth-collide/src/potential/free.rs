@@ -3,7 +3,7 @@
 
 use super::PotentialContacts;
 use super::source::Contacts;
-use crate::obstacle::{Obstacle, Pose, RigidBody, RigidMotion};
+use crate::obstacle::{Obstacle, ObstacleError, Pose, RigidBody, RigidMotion};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
@@ -24,8 +24,9 @@ pub(super) struct FreeBody {
     /// By how far (m) the push of the cloth in the last step would have changed its displacement in that step: it has
     /// moved before the cloth.
     pub(super) pushed: Real,
-    /// Whether it stays where it is in this step.
+    /// Whether it stays where it is in this step, and whether it does so until it is released.
     pub(super) is_halted: bool,
+    pub(super) is_held: bool,
     /// Where it is at the start of the step.
     pub(super) place: Pose,
     /// No point of it is farther from its position than `radius` (m); `extent` (m) is that of its smallest side.
@@ -73,6 +74,7 @@ impl FreeBody {
             change: [Vec3::zeros(); 2],
             pushed: 0.0,
             is_halted: false,
+            is_held: false,
             place: obstacle.motion().pose,
             radius,
             extent,
@@ -111,6 +113,49 @@ impl FreeBodies {
 }
 
 impl PotentialContacts {
+    /// A body that the cloth pushes stays where it is from now on, until it is released; it then starts from rest.
+    /// Gives whether there is such a body at all, by the number of its obstacle.
+    pub fn hold_body(&mut self, number: usize, is_held: bool) -> bool {
+        let mut bodies = self.contacts.free.list.iter_mut();
+        let Some(free) = bodies.find(|free| free.number == number) else {
+            return false;
+        };
+        (free.is_held, free.is_halted) = (is_held, is_held);
+        free.momenta = [Vec3::zeros(); 2];
+        true
+    }
+
+    /// Changes the velocity (m/s) and angular velocity (rad/s, about the origin of its frame) of an obstacle that moves
+    /// as it is told, from the next step on. Gives whether there is such an obstacle.
+    ///
+    /// # Errors
+    /// [`ObstacleError::NonFinite`]. The obstacle then moves as before.
+    pub fn set_velocities(
+        &mut self,
+        number: usize,
+        [velocity, angular_velocity]: [Vec3; 2],
+    ) -> Result<bool, ObstacleError> {
+        let Contacts {
+            bodies,
+            free,
+            constraints,
+            ..
+        } = &mut self.contacts;
+        let is_free = free.list.iter().any(|free| free.number == number);
+        let Some((obstacle, _)) = bodies.get_mut(number).filter(|_| !is_free) else {
+            return Ok(false);
+        };
+        // What has been found far away may have counted on the old motion.
+        constraints.took_last = false;
+        let pose = obstacle.motion().pose;
+        obstacle.set_motion(RigidMotion {
+            pose,
+            velocity,
+            angular_velocity,
+        })?;
+        Ok(true)
+    }
+
     /// Where the bodies that the cloth pushes are after the last step, with the velocities that their momenta give
     /// them, by the numbers of their obstacles.
     pub fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
@@ -121,10 +166,11 @@ impl PotentialContacts {
         })
     }
 
-    /// Kinetic energy (J) of the bodies that the cloth pushes, where they are: ½ v·p, with the velocity v on the way there
-    /// and the momentum p on the way from there, and the same of the rotation. Bodies move before the cloth pushes them,
-    /// which is symplectic Euler: half a push is on either side of where they are, and so a harmonic spring keeps its
-    /// energy to rounding in this measure (Hairer, Lubich, Wanner 2006, *Geometric Numerical Integration*, I.1 and IX.3).
+    /// Kinetic energy (J) of the bodies that the cloth pushes, where they are: ½ v·p, with the velocity v on the way
+    /// there and the momentum p on the way from there, and the same of the rotation. Bodies move before the cloth pushes
+    /// them, which is symplectic Euler: half a push is on either side of where they are, and so a harmonic spring keeps
+    /// its energy to rounding in this measure (Hairer, Lubich, Wanner 2006, *Geometric Numerical Integration*, I.1 and
+    /// IX.3).
     #[must_use]
     pub fn free_kinetic_energy(&self) -> Real {
         let Contacts { bodies, free, .. } = &self.contacts;
@@ -231,7 +277,10 @@ impl Contacts {
             (0..2).for_each(|k| self.free.work[k] += works[k]);
             let [linear, angular] = free.body.velocity_by(&free.place, by_cloth);
             let turning = angular.norm() * free.radius;
-            free.pushed = (linear.norm() + if turning.is_finite() { turning } else { 0.0 }) * dt;
+            free.pushed = match free.is_held {
+                true => 0.0,
+                false => (linear.norm() + if turning.is_finite() { turning } else { 0.0 }) * dt,
+            };
             // It is among them.
             free.stop = [Vec3::zeros(); 2];
         }
@@ -245,7 +294,7 @@ impl Contacts {
                 let impulse = [0, 1].map(|k| free.impulse[k] + free.stop[k]);
                 free.body.push(&mut free.momenta, impulse, dt);
                 (free.impulse, free.stop) = ([Vec3::zeros(); 2], [Vec3::zeros(); 2]);
-                free.is_halted = false;
+                free.is_halted = free.is_held;
             }
         }
     }

@@ -47,6 +47,8 @@ pub enum Elements {
     SoftPins(Vec<SoftPin>),
     /// Links: springs that are no part of the cloth, rigid ones with an infinite stiffness.
     Links(Vec<Spring>),
+    /// Links that pull and do not push: ropes.
+    SlackLinks(Vec<StrainLimitSpring>),
     /// Stitches of seams from vertex to vertex.
     Stitches(Vec<Stitch>),
     /// Stitches of seams from a vertex to a point of an edge.
@@ -71,6 +73,7 @@ macro_rules! each {
             Elements::Volumes($elements) => $what,
             Elements::SoftPins($elements) => $what,
             Elements::Links($elements) => $what,
+            Elements::SlackLinks($elements) => $what,
             Elements::Stitches($elements) => $what,
             Elements::EdgeStitches($elements) => $what,
         }
@@ -95,6 +98,7 @@ macro_rules! both {
             (Elements::Volumes($own), Elements::Volumes($other)) => Some($what),
             (Elements::SoftPins($own), Elements::SoftPins($other)) => Some($what),
             (Elements::Links($own), Elements::Links($other)) => Some($what),
+            (Elements::SlackLinks($own), Elements::SlackLinks($other)) => Some($what),
             (Elements::Stitches($own), Elements::Stitches($other)) => Some($what),
             (Elements::EdgeStitches($own), Elements::EdgeStitches($other)) => Some($what),
             _ => None,
@@ -121,6 +125,7 @@ impl Elements {
             Self::Volumes(_) => "tetrahedra with a volume",
             Self::SoftPins(_) => "soft pins",
             Self::Links(_) => "links",
+            Self::SlackLinks(_) => "links with slack",
             Self::Stitches(_) => "stitches",
             Self::EdgeStitches(_) => "stitches onto edges",
         }
@@ -204,6 +209,7 @@ impl Elements {
             Self::Volumes(elements) => visitor.visit(elements),
             Self::SoftPins(elements) => visitor.visit(elements),
             Self::Links(elements) => visitor.visit(elements),
+            Self::SlackLinks(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
             Self::EdgeStitches(elements) => visitor.visit(elements),
             Self::Cubic(_) => return Err(self.unsupported("is a sum of squares ½ k C²")),
@@ -227,6 +233,7 @@ impl Elements {
             Self::ArapTetrahedra(elements) => visitor.visit(elements),
             Self::SoftPins(elements) => visitor.visit(elements),
             Self::Links(elements) => visitor.visit(elements),
+            Self::SlackLinks(elements) => visitor.visit(elements),
             Self::Stitches(elements) => visitor.visit(elements),
             Self::EdgeStitches(elements) => visitor.visit(elements),
             Self::Stvk(_) | Self::Dihedral(_) | Self::Cubic(_) | Self::Volumes(_) => {

@@ -4,7 +4,7 @@ use crate::run::Moment;
 use cloth_core::math::Vec3;
 use std::fmt::Write as _;
 
-/// As CSV: a row for each step and body. Bodies are numbered from 1 in the order of the `[[obstacle]]` tables of a
+/// As CSV: a row for each step and body. Bodies are numbered from 0 in the order of the `[[obstacle]]` tables of a
 /// scene file, animations among them, and come in this order. The force is the sum of its normal and its friction.
 pub(super) struct ForcesTable(String);
 
@@ -31,7 +31,7 @@ impl ForcesTable {
         for (number, body) in rows {
             let vectors: [Vec3; 4] = [body.force, body.torque, body.normal(), body.friction];
             // Writing to a string cannot fail.
-            let _ = write!(self.0, "{step},{time:?},{}", number + 1);
+            let _ = write!(self.0, "{step},{time:?},{number}");
             for component in vectors.iter().flat_map(Vec3::iter) {
                 let _ = write!(self.0, ",{component:?}");
             }

@@ -23,10 +23,10 @@ pub struct BodySurface<'a> {
 }
 
 impl BodySurface<'_> {
-    /// `obstacle1`, `obstacle2`, …
+    /// `obstacle0`, `obstacle1`, …
     #[must_use]
     pub fn name(&self) -> String {
-        format!("obstacle{}", self.number + 1)
+        format!("obstacle{}", self.number)
     }
 }
 
@@ -40,7 +40,7 @@ impl ContactSetup {
                 motion.velocity == Vec3::zeros() && motion.angular_velocity == Vec3::zeros();
             (
                 Some(motion.pose_at(time)),
-                is_at_rest && !self.is_free(index),
+                is_at_rest && !self.is_free(index) && !self.driven.contains(&index),
             )
         });
         let animated = self.animated.iter();
@@ -99,7 +99,7 @@ impl ContactSetup {
         for ((shape, _), number) in rigid.chain(animated).zip(&self.numbers).filter(|b| b.0.1) {
             let next = first + shape.triangle_count();
             if triangle < next {
-                return Some(format!("{} of obstacle {}", triangle - first, number + 1));
+                return Some(format!("{} of obstacle {number}", triangle - first));
             }
             first = next;
         }

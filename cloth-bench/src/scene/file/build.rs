@@ -12,7 +12,6 @@ use crate::error::BenchError;
 use crate::scene::contact::{ContactSetup, Surface};
 use crate::scene::{Scene, build as built_in};
 use crate::settings::{Settings, Table};
-use cloth_core::cloth::Elements;
 use cloth_core::math::Vec3;
 use cloth_core::method::ordering::Order;
 use cloth_core::pin::Pins;
@@ -281,7 +280,7 @@ impl<'a> Sections<'a> {
         seam::sew_once(&self.seams, &mut seams)?;
         let mut links = Vec::new();
         for section in &self.links {
-            links.extend(link::springs(section, &counts, &mesh)?);
+            links.push(link::links(section, &counts, &mesh)?);
         }
         // Files come in any vertex order; neighbours in space become neighbours in memory.
         let order = from_file.then(|| Order::morton(mesh.positions()));
@@ -304,7 +303,7 @@ impl<'a> Sections<'a> {
             let mass = mass::add(section, &vertices, &mut model.particles)?;
             added_masses.push((vertices, mass));
         }
-        model.fasten([Elements::Links(links)]);
+        model.fasten(links);
         let inside = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
         let (gases, volumes) = gas::left(&inside, &vec![true; mesh.triangles().len()]);
         let mut changes = tear::tears(&self.events, &material, &mesh, &inside)?;
@@ -344,6 +343,7 @@ impl<'a> Sections<'a> {
             own.density.refuse_given("with contact=none")?;
             own.mass.refuse_given("with contact=none")?;
         }
+        changes.extend(event::of_bodies(&self.events, &self.obstacles, &mut touch)?);
         touch.pieces =
             roughness::of_pieces(&contact, &self.roughness, (&mesh, &counts), order.as_ref())?;
         touch.check_friction(&contact)?;

@@ -1,10 +1,10 @@
-//! `[[event]]`: vertices that are grabbed, dragged and released. Tears are beside.
+//! `[[event]]`: vertices that are grabbed, dragged and released, and bodies that are driven. Tears are beside.
 
 use super::document::Section;
-use super::keys::{Deed, Event, Way};
+use super::keys::{Deed, Event, Obstacle, Selection, Way};
 use super::pins;
 use crate::error::BenchError;
-use crate::scene::{Change, ChangeKind};
+use crate::scene::{Change, ChangeKind, ContactSetup};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::Particles;
@@ -13,7 +13,7 @@ use cloth_core::pin::PinMotion;
 impl Event {
     /// What is done.
     pub(super) fn deed(&self, section: &Section<'_>) -> Result<Deed, BenchError> {
-        let kinds = "needs do = \"grab\", \"drag\", \"release\" or \"tear\"";
+        let kinds = "needs do = \"grab\", \"drag\", \"release\", \"tear\" or \"drive\"";
         (*self.deed).ok_or_else(|| section.refuse_table(kinds))
     }
 
@@ -23,14 +23,14 @@ impl Event {
     }
 }
 
-/// The vertices of an event, in the caller's numbers; none of a tear.
+/// The vertices of an event, in the caller's numbers; none of a tear or of a body.
 pub(super) fn chosen(
     section: &Section<'_>,
     mesh: &TriMesh,
     up: Vec3,
 ) -> Result<Vec<usize>, BenchError> {
     match section.read::<Event>()?.deed(section)? {
-        Deed::Tear => Ok(Vec::new()),
+        Deed::Tear | Deed::Drive => Ok(Vec::new()),
         Deed::Grab | Deed::Drag | Deed::Release => pins::chosen(section, mesh, up),
     }
 }
@@ -57,6 +57,13 @@ pub(super) fn changes(
         let (deed, time) = (own.deed(section)?, own.time(section)?);
         if deed != Deed::Tear {
             own.line.refuse_given("but for a tear")?;
+        }
+        if deed != Deed::Drive {
+            let keys = [own.obstacle.bare(), own.velocity.bare()];
+            let mut keys = keys.into_iter().chain([own.angular_velocity.bare()]);
+            keys.try_for_each(|key| key.refuse_given("but for a drive"))?;
+        }
+        if !matches!(deed, Deed::Tear | Deed::Drive) {
             events.push((time, deed, section, vertices));
         }
     }
@@ -91,6 +98,65 @@ pub(super) fn changes(
             let motion = motion.unwrap_or(PinMotion::NONE);
             ChangeKind::Hold { vertices, motion }
         };
+        changes.push(Change { time, kind });
+    }
+    Ok(changes)
+}
+
+/// What happens to the bodies of contact: those that events drive, and those that are held until they are released.
+pub(super) fn of_bodies(
+    events: &[Section<'_>],
+    obstacles: &[Section<'_>],
+    touch: &mut ContactSetup,
+) -> Result<Vec<Change>, BenchError> {
+    let mut changes = Vec::new();
+    for section in events {
+        let own = section.read::<Event>()?;
+        if own.deed(section)? != Deed::Drive {
+            continue;
+        }
+        refuse_motion(section, "for a drive")?;
+        let chosen = section.read::<Selection>()?;
+        let keys = [chosen.select.bare(), chosen.vertices.bare()];
+        let mut keys = keys.into_iter().chain([chosen.corners.bare()]);
+        keys.try_for_each(|key| key.refuse_given("for a drive"))?;
+        let number = (*own.obstacle)
+            .ok_or_else(|| section.refuse_table("a drive needs an obstacle"))?
+            as usize;
+        let wrong = |why: String| Err(own.obstacle.refuse(why));
+        if number >= obstacles.len() {
+            return wrong(format!(
+                "there are {} obstacles, from 0 on",
+                obstacles.len()
+            ));
+        }
+        let body = match touch.rigid_body(number) {
+            None => return wrong("its files say how it moves".into()),
+            Some(body) if touch.is_free(body) => {
+                return wrong("it has a mass, and moves as it is pushed".into());
+            }
+            Some(body) => body,
+        };
+        let velocities = [&own.velocity, &own.angular_velocity].map(|v| v.unwrap_or_default());
+        touch.driven.push(body);
+        let kind = ChangeKind::Drive { body, velocities };
+        let time = own.time(section)?;
+        changes.push(Change { time, kind });
+    }
+    for (number, section) in obstacles.iter().enumerate() {
+        let own = section.read::<Obstacle>()?;
+        let Some(time) = *own.released else {
+            continue;
+        };
+        let Some(body) = touch.rigid_body(number).filter(|&body| touch.is_free(body)) else {
+            own.released.refuse_without("a mass or a density")?;
+            continue;
+        };
+        for key in [own.velocity.bare(), own.angular_velocity.bare()] {
+            key.refuse_given("with released: it starts from rest")?;
+        }
+        touch.held.push(body);
+        let kind = ChangeKind::LetGo { body };
         changes.push(Change { time, kind });
     }
     Ok(changes)

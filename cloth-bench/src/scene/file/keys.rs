@@ -75,6 +75,7 @@ crate::settings! {
         at: Option<Vec3> = "none" "m",
             "a point: the nearest vertex of the second mesh is linked to three of the first around it, a ball joint";
         stiffness: Or<Infinite, Real> = "inf" "N/m" in Above(0.0), "of each link, or inf: rigid, with xpbd alone";
+        slack: bool = "no", "whether a link pulls alone, as a rope, and does not push: yes (of a finite stiffness) or no";
     }
     /// Vertices by name, number or place.
     pub(super) struct Selection {
@@ -123,8 +124,13 @@ crate::settings! {
         deed as "do": Option<Deed> = "needed",
             "\"grab\" (the chosen vertices are held from now on, wherever they are; with a move or a turn they go \
              on), \"drag\" (those that are held move and turn from where they are), \"release\" (those that are \
-             held, with the velocity they have) or \"tear\" (triangles vanish: those that a line crosses, or whose \
-             middle, at rest, is in a box; refused if a vertex would be left without any)";
+             held, with the velocity they have), \"tear\" (triangles vanish: those that a line crosses, or whose \
+             middle, at rest, is in a box; refused if a vertex would be left without any) or \"drive\" (a body has \
+             the given velocities from now on, and stands still without any)";
+        obstacle: Option<u32> = "none",
+            "of a drive: number of the [[obstacle]] table, from 0, of a body that moves as it is told";
+        velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "of that body";
+        angular_velocity: Option<Vec3> = "[0, 0, 0]" "rad/s", "of that body, about its position";
         line: Option<[Vec3; 2]> = "none" "m",
             "of a tear: its two ends, at rest; along edges it takes the triangles to its left";
     }
@@ -178,6 +184,9 @@ crate::settings! {
         angular_velocity: Option<Vec3> = "[0, 0, 0]" "rad/s",
             "the same of turning, about the position; with a density or a mass about the centre of mass";
         friction: Option<Real> = "that of [contact]" in AtLeast(0.0), "coefficient of friction of the cloth on it";
+        released: Option<Real> = "none" "s" in AtLeast(0.0),
+            "of a body with a density or a mass: when it is let go, from rest; until then it stays where it is, \
+             whatever pushes it; none: it is free from the start";
         density: Option<Real> = "none" "kg/m³" in Above(0.0),
             "of a body that gravity pulls and the cloth pushes; none: it keeps its velocities, whatever pushes it. It \
              stops, without a rebound and without friction, before held vertices and before other bodies, but for \
@@ -209,7 +218,7 @@ crate::choices! {
 crate::choices! {
     /// Of an event.
     #[derive(PartialEq)]
-    pub(super) enum Deed { Grab = "grab", Drag = "drag", Release = "release", Tear = "tear" }
+    pub(super) enum Deed { Grab = "grab", Drag = "drag", Release = "release", Tear = "tear", Drive = "drive" }
 }
 
 crate::settings! {
@@ -310,7 +319,7 @@ pub const SECTIONS: [SectionInfo; 18] = [
     },
     SectionInfo {
         head: "[[event]]",
-        about: "what happens to the cloth at a time: vertices are grabbed, dragged and released, triangles torn \
+        about: "what happens at a time: vertices are grabbed, dragged and released, bodies driven, triangles torn \
                 out; of these the mass stays with their corners, and what is inside a closed piece escapes; no tear \
                 of a cloth with a coarse level, which carries a whole mesh",
         keys: &[Event::PARAMETERS, Selection::PARAMETERS, Way::PARAMETERS],

@@ -1,9 +1,10 @@
-//! `[[link]]`: links between vertices, which keep the length that they have at rest.
+//! `[[link]]`: links between vertices, which keep the length that they have at rest, or are ropes of that length.
 
 use super::document::Section;
 use super::keys::Link;
 use crate::error::BenchError;
-use cloth_core::energy::Spring;
+use cloth_core::cloth::Elements;
+use cloth_core::energy::{Spring, StrainLimitSpring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::method::ordering::Order;
@@ -16,11 +17,11 @@ const AROUND: usize = 12;
 const FLAT: Real = 1e-3;
 
 /// The links of a `[[link]]` on pieces of so many vertices.
-pub(super) fn springs(
+pub(super) fn links(
     section: &Section<'_>,
     counts: &[usize],
     mesh: &TriMesh,
-) -> Result<Vec<Spring>, BenchError> {
+) -> Result<Elements, BenchError> {
     let own = section.read::<Link>()?;
     let meshes = own.meshes.as_deref();
     let &[first, second] = meshes.ok_or_else(|| section.refuse_table("needs meshes"))? else {
@@ -46,21 +47,36 @@ pub(super) fn springs(
         _ => return Err(section.refuse_table("needs first and second, or at")),
     };
     let springs = Spring::along(mesh.positions(), &ends, own.stiffness.number());
-    match springs.iter().find(|spring| spring.rest_length == 0.0) {
-        None => Ok(springs),
-        Some(spring) => {
-            let [a, b] = spring.vertices;
-            let message =
-                format!("vertices {a} and {b} of all are in the same place: a link needs a length");
-            Err(section.refuse_table(message))
-        }
+    if let Some(spring) = springs.iter().find(|spring| spring.rest_length == 0.0) {
+        let [a, b] = spring.vertices;
+        let message =
+            format!("vertices {a} and {b} of all are in the same place: a link needs a length");
+        return Err(section.refuse_table(message));
     }
+    if !*own.slack {
+        return Ok(Elements::Links(springs));
+    }
+    let stiffness = own.stiffness.number();
+    if stiffness.is_infinite() {
+        return Err(own
+            .slack
+            .refuse("a link with slack needs a stiffness (N/m)"));
+    }
+    let ropes = StrainLimitSpring::along(mesh.positions(), &ends, [0.0, 1.0], stiffness);
+    Ok(Elements::SlackLinks(ropes))
 }
 
 /// The links where vertices are in another order.
-pub(super) fn reorder(springs: &mut [Spring], order: &Order) {
-    for spring in springs {
-        spring.vertices = spring.vertices.map(|v| order.new_of_old()[v as usize]);
+pub(super) fn reorder(links: &mut [Elements], order: &Order) {
+    let moved = |ends: [u32; 2]| ends.map(|v| order.new_of_old()[v as usize]);
+    for family in links {
+        match family {
+            Elements::Links(all) => all.iter_mut().for_each(|s| s.vertices = moved(s.vertices)),
+            Elements::SlackLinks(all) => {
+                all.iter_mut().for_each(|s| s.vertices = moved(s.vertices))
+            }
+            _ => {}
+        }
     }
 }
 

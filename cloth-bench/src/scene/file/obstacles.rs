@@ -60,6 +60,7 @@ fn animated(
     folder: &Path,
 ) -> Result<Body, BenchError> {
     only(section, own, &["folder", "interval"])?;
+    own.released.refuse_without("a mass or a density")?;
     let moves = [own.velocity.bare(), own.angular_velocity.bare()];
     for key in moves.iter().chain(&weights(own)) {
         key.refuse_given("for this shape: its files say how it moves")?;
