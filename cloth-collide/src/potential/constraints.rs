@@ -141,7 +141,8 @@ impl ContactConstraints for Contacts {
             self.constraints
                 .start_anew(&self.near, step.from, self.before.len());
         }
-        if self.constraints.culled.holds(predicted) {
+        let may_move = self.near.may_move(predicted.len());
+        if self.constraints.culled.holds(predicted, may_move) {
             self.constraints.culled.is_on = true;
             return Ok(());
         }
@@ -180,7 +181,11 @@ impl ContactConstraints for Contacts {
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
         if self.constraints.culled.is_on {
-            if self.constraints.culled.holds(x) {
+            if self
+                .constraints
+                .culled
+                .holds(x, self.near.may_move(x.len()))
+            {
                 self.constraints.report.culled_substeps += 1;
                 self.ledger
                     .iter_mut()

@@ -33,18 +33,23 @@ impl CulledSubsteps {
         was_known
     }
 
-    /// Whether nothing is near at `x` (m). If so, all its numbers are finite.
-    pub(super) fn holds(&self, x: &[Vec3]) -> bool {
-        let place = &self.place[..];
-        if place.is_empty() {
+    /// Whether nothing is near at `x` (m), of which all but the first `moving` vertices are where they were. If so, all
+    /// numbers of these are finite.
+    pub(super) fn holds(&self, x: &[Vec3], moving: usize) -> bool {
+        if self.place.is_empty() {
             return false;
         }
+        let (x, place) = (&x[..moving], &self.place[..moving]);
         let every = place.len().div_ceil(SAMPLES);
         let samples = x.iter().zip(place).step_by(every);
         let shift = samples.map(|(x, place)| x - place).sum::<Vec3>();
         let shift = shift / place.len().div_ceil(every) as Real;
         let most = self.relative.min(self.whole - shift.norm());
         let most = (most / Real::sqrt(3.0)).min(Real::MAX);
+        // Relative to the mean motion, what rests moves the other way.
+        if moving < self.place.len() && shift.amax() > most {
+            return false;
+        }
         wide(|| all_within(x, place, shift, most))
     }
 }

@@ -70,6 +70,8 @@ pub(crate) struct Near {
     pub(super) is_free: Vec<bool>,
     /// Prescribed vertices that have not been seen to move: nothing is detected between them.
     resting: Vec<u32>,
+    /// Whether no vertex of a body moves in the (sub)step at hand.
+    pub(super) bodies_rest: bool,
     pub(super) is_resting: Vec<bool>,
     pub(super) crossing: Excluded,
     pub(super) pinched: Pinched,
@@ -106,6 +108,7 @@ impl Near {
             rest: mesh.positions().to_vec(),
             is_free: vec![true; mesh.vertex_count()],
             resting: Vec::new(),
+            bodies_rest: false,
             is_resting: vec![false; mesh.vertex_count()],
             crossing: Excluded::default(),
             pinched: Pinched::default(),
@@ -135,6 +138,15 @@ impl Near {
     /// what was found without them is not all.
     pub(super) fn starts_moving(&mut self, from: &[Vec3], to: &[Vec3]) -> bool {
         let count = self.resting.len();
+        // They are in order, those of bodies last.
+        let may_move = match self.bodies_rest {
+            true => self.resting.partition_point(|&v| (v as usize) < self.cloth),
+            false => count,
+        };
+        let moves = |&v: &u32| from[v as usize] != to[v as usize];
+        if !self.resting[..may_move].iter().any(moves) {
+            return false;
+        }
         let is_resting = &mut self.is_resting;
         self.resting.retain(|&vertex| {
             let v = vertex as usize;
@@ -142,6 +154,11 @@ impl Near {
             is_resting[v]
         });
         self.resting.len() < count
+    }
+
+    /// How many of `count` vertices, the first ones, may move in the (sub)step at hand.
+    pub(super) fn may_move(&self, count: usize) -> usize {
+        if self.bodies_rest { self.cloth } else { count }
     }
 
     /// What there is of the cloth alone.
@@ -379,8 +396,8 @@ impl Near {
     ///
     /// - h for a vertex of the cloth before other cloth or before a body: the vertices carry the pressure, as they know
     ///   the area that they stand for;
-    /// - h/2 for two edges, and for a vertex of a body before the cloth: they push only where the vertices do not keep
-    ///   the two apart;
+    /// - h/2 for two edges (h with `full_thickness`), and for a vertex of a body before the cloth: they push only where
+    ///   the vertices do not keep the two apart;
     /// - h/2 before the surface of a body whose signed distance is not exact: vertices are pushed by that distance, and
     ///   the triangles keep them out where it is wrong;
     /// - for two primitives of one component no more than their distance at rest, so that nothing is pushed away from

@@ -25,9 +25,10 @@ const NO_TIME: Real = 1e-12;
 ///
 /// # What is guaranteed
 ///
-/// After a step, no two triangles of the cloth meet, at its end and at no time on the paths there, nor do triangles of
-/// the cloth and of the [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the
-/// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends.
+/// After a step, no two triangles of the cloth meet beyond the vertices and edges that they share, at its end and at no
+/// time on the paths there, nor do triangles of the cloth and of the [surfaces](PotentialBuilder::surface) of bodies:
+/// every pair that could come near has passed the conservative [`ContinuousTest`](crate::ContinuousTest), or a plane
+/// that keeps it apart at both ends.
 ///
 /// Vertices of the surface that are not prescribed stay out of obstacles. One that starts inside is led out, and may
 /// meanwhile sink by up to h/100 in each substep of the constraints.
@@ -166,8 +167,9 @@ impl Surfaces {
 
     /// Puts bodies at both ends (m) of a (sub)step of `dt` (s), which obstacles begin as `bodies` are. In between their
     /// vertices go straight: with an angular velocity ω one at a distance r from the axis is up to r (1 − cos(ω dt/2))
-    /// inside of the arc on which its body goes.
-    fn place(&mut self, bodies: &[Body], dt: Real) {
+    /// inside of the arc on which its body goes. Gives whether all of them are there already, and stay.
+    fn place(&mut self, bodies: &[Body], dt: Real) -> bool {
+        let mut all_rest = true;
         let (mut from, mut to) = (&mut self.from[self.cloth..], &mut self.to[self.cloth..]);
         for Surface {
             mesh,
@@ -187,6 +189,7 @@ impl Surfaces {
                     if *placed == Some(poses) && poses[0] == poses[1] {
                         continue;
                     }
+                    all_rest = false;
                     *placed = Some(poses);
                     for (out, pose) in [own_from, own_to].into_iter().zip(poses) {
                         let places = out.iter_mut().zip(mesh.positions());
@@ -194,11 +197,13 @@ impl Surfaces {
                     }
                 }
                 SurfaceMotion::Own(animation, _) => {
+                    all_rest = false;
                     animation.place(self.time, own_from);
                     animation.place(self.time + dt, own_to);
                 }
             }
         }
+        all_rest
     }
 
     /// The cloth begins a (sub)step from `step.from` to `to` (m).
@@ -345,7 +350,8 @@ impl PotentialContacts {
         }
         // The step is not taken.
         let free = &mut self.contacts.free.list;
-        free.iter_mut().for_each(|free| free.is_halted = false);
+        free.iter_mut()
+            .for_each(|free| free.is_halted = free.is_held);
         false
     }
 
@@ -379,7 +385,7 @@ impl PotentialContacts {
         if begins_to_move {
             self.contacts.start_free_bodies(step, to);
         }
-        surfaces.place(&self.contacts.bodies, step.dt);
+        self.contacts.near.bodies_rest = surfaces.place(&self.contacts.bodies, step.dt);
         surfaces.put(step, to);
         Ok(())
     }
@@ -408,7 +414,7 @@ impl ContactSource for PotentialContacts {
         step.check(self.surfaces.cloth, x, x)?;
         self.close();
         let surfaces = &mut self.surfaces;
-        surfaces.place(&self.contacts.bodies, 0.0);
+        self.contacts.near.bodies_rest = surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);
         self.contacts.keep_free(&all, to)?;
