@@ -210,7 +210,9 @@ impl Explicit {
         if let Some(contacts) = input.contact_constraints() {
             contacts.end_step(&self.positions);
         }
+        let closing = self.set_time([state.time + dt; 2]);
         if let Some(monitor) = &mut self.monitor {
+            monitor.add_work(closing);
             let touched = input.contacts.as_deref();
             let ended = monitor.end(&self.model, &self.positions, &self.velocities, touched);
             ended.map_err(|failure| self.report(failure, &input, step))?;
@@ -230,7 +232,7 @@ impl Explicit {
     /// positions x between the two. A substep so counts half of its change at the positions of its start and half at
     /// those of its end (the trapezoidal rule). Counted at one end only, the work would have the same error, with the
     /// same sign, in every substep. In the first substep of a step there is none before, and half of its own change is
-    /// counted.
+    /// counted; the other half of the last one is what a call with the end of the step gives.
     fn set_time(&mut self, [start, end]: [Real; 2]) -> Real {
         let (energies, x) = (&mut self.model.energies, &self.positions);
         let before = energies.timed_value(x);
@@ -285,16 +287,16 @@ impl Explicit {
             }
             let after = before + change;
             self.velocities[vertex] = after;
-            self.positions[vertex] += dt
-                * match self.scheme {
-                    Scheme::Forward => before,
-                    Scheme::Symplectic => after,
-                };
+            let velocity = match self.scheme {
+                Scheme::Forward => before,
+                Scheme::Symplectic => after,
+            };
+            self.positions[vertex] += velocity * dt;
             if w == 0.0 {
                 // The pin moves against the elastic force.
                 balance.pin_work += gradient.dot(&after) * dt;
             } else {
-                balance.work += mass * external.dot(&after) * dt;
+                balance.work += mass * external.dot(&velocity) * dt;
                 balance.kinetic += 0.5 * mass * after.norm_squared();
             }
         }

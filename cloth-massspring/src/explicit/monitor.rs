@@ -92,6 +92,12 @@ impl StabilityMonitor {
         self.most_given = self.most_given.max(self.given);
     }
 
+    /// Enters work (J) that was done on the cloth where a step ends.
+    pub(super) fn add_work(&mut self, work: Real) {
+        self.given += work;
+        self.most_given = self.most_given.max(self.given);
+    }
+
     /// Notes the state that a step leaves, and what moving bodies among the `contacts` have done in it.
     pub(super) fn end(
         &mut self,
