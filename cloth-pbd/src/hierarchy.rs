@@ -85,11 +85,10 @@ impl Default for HierarchyConfig {
 ///   nothing is stretched, as folds, have no energy on any level: a coarse level does not resist bending. Links that
 ///   kept their length in both directions, as rods, would.
 /// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. With
-///   L the length of a link at rest, and its shortest allowed length the smaller of L and its length when the sweeps of
-///   its level began, a link
-///   - pulls where it is longer than L;
-///   - pushes where others have made it shorter than its shortest allowed length;
-///   - does nothing between the two: one that was short before may stay so.
+///   L the length of a link at rest, l its present length, and l₀ the smaller of L and its length when the sweeps of
+///   its level began, a link may be between l₀ and L. A visit, with the fraction s, makes of its multiplier λ
+///   - `λ − s (l − L)/w̃`, if that is below 0: the link pulls;
+///   - else the larger of 0 and `λ − s (l − l₀)/w̃`: it pushes, or does nothing. One that was short may stay so.
 ///
 ///   (Müller's links only pull. Each that is shortened lengthens or shortens its neighbours; those that have become too
 ///   short are left so, and a hanging sheet narrows.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, a vertex that
@@ -101,10 +100,9 @@ impl Default for HierarchyConfig {
 ///
 /// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth becomes
 /// stiffer. Angular momentum is not conserved by the prolongation. Only stretching is corrected: no level acts against
-/// bending, or against compression that it found, and a fold between two coarse vertices is invisible to theirs. What
-/// the finer level gets is smooth between parents, so the correction may bend or stretch single fine links, which only
-/// sweeps after it repair. Levels, lengths and weights come from the mesh at rest and the vertices prescribed when it
-/// is built; pins may move.
+/// bending, or against compression that it found. What the finer level gets is smooth between parents, so the
+/// correction may bend or stretch single fine links, which only sweeps after it repair. Levels, lengths and weights
+/// come from the mesh at rest and the vertices prescribed when it is built; pins may move.
 #[derive(Debug)]
 pub struct Hierarchy {
     vertex_count: usize,

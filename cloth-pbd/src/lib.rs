@@ -50,13 +50,14 @@
 //! has a prescribed vertex does not. In the same way `Σ xᵢ × mᵢ Δxᵢ = Δλ Σ xᵢ × ∂C/∂xᵢ` is zero where C is invariant
 //! under rotation. A vertex with w = 0 does not move.
 //!
-//! **All constraints.** Backward Euler's step is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the predicted positions,
-//! since its stationary point has `M (x − x̃)/h² = −∂E/∂x`. For infinitely stiff E that is the point nearest to x̃, in
-//! the metric of M, at which all constraints hold. A sweep of projections from x̃ is one Gauss–Seidel iteration towards
-//! it (exactly so where the constraints are linear): *PBD is the hard limit of backward Euler, solved approximately*.
-//! In that limit k has no place. With J = ∂C/∂x the system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit relaxes one row of it.
-//! For curved constraints J changes as the sweeps move x, so they end on C = 0, but not exactly at the nearest point.
-//! Soft constraints add `1/(k h²)` to the diagonal.
+//! **All constraints.** Each scalar C with its gradient is a *row*; an element has one or more. Backward Euler's step
+//! is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the predicted positions and `‖y‖²_M = yᵀ M y`, since its stationary
+//! point has `M (x − x̃)/h² = −∂E/∂x`. For infinitely stiff E that is the point nearest to x̃, in the metric of M, at
+//! which all constraints hold. A sweep of projections from x̃ is one Gauss–Seidel iteration towards it (exactly so
+//! where the constraints are linear): *PBD is the hard limit of backward Euler, solved approximately*. In that limit k
+//! has no place. With J = ∂C/∂x the system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit relaxes one row of it. For curved
+//! constraints J changes as the sweeps move x, so they end on C = 0, but not exactly at the nearest point. Soft
+//! constraints add `1/(k h²)` to the diagonal.
 //!
 //! **Why k needs a λ.** The equation of a soft constraint is `C + w̃ Δλ + (λ + Δλ)/(k h²) = 0`, so a visit makes
 //! `Δλ = −(C + λ/(k h²))/(w̃ + 1/(k h²))`, λ the sum of its Δλ in this substep. The term with λ says how much of its
@@ -76,28 +77,27 @@
 //! s = 1 − (1 + k h² w̃)^(−1/n)          what a material of stiffness k asks for
 //! ```
 //!
-//! With a fixed s ([`StiffnessRule::Fixed`]) the cloth is stiffer exponentially in n, and as 1/h². The second line is
-//! [`StiffnessRule::Material`], the default: that is how the same k (N/m) that the other methods take reaches PBD.
-//! (Springs get theirs from a membrane modulus Y (N/m), Young's modulus times thickness, by
-//! [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus). In names, `stiffness` of an element is k, that of
-//! [`PbdConfig`] the rule for s, and that of [`HierarchyConfig`] the s of the links of its coarse levels.) The rule is
-//! exact for one constraint alone whose C is linear along its correction, as a spring's is, and for nothing else; see
-//! the [limits](#limits).
+//! (Both without relaxation or extrapolation.) With a fixed s ([`StiffnessRule::Fixed`]) the cloth is stiffer
+//! exponentially in n, and as 1/h². The second line is [`StiffnessRule::Material`], the default: that is how the same k
+//! (N/m) that the other methods take reaches PBD. (Springs get theirs from a membrane modulus Y (N/m), Young's modulus
+//! times thickness, by [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus). In names, `stiffness` of an element
+//! is k, that of [`PbdConfig`] the rule for s, and that of [`HierarchyConfig`] the s of the links of its coarse
+//! levels.) The rule is exact for one constraint alone whose C is linear along its correction, as a spring's is, and
+//! for nothing else; see the [limits](#limits).
 //!
 //! # The step
 //! ```text
 //! for each substep of h = Δt/substeps:
-//!     v ← v + h (g + w f) where w > 0,  x̃ ← x + h v            prediction
+//!     v ← v + h (g + w f) where w > 0,  x̃ ← x + h v            prediction; f: load (N) without the weight
 //!     x ← x̃
-//!     n times, for each row:  xᵢ ← xᵢ − s wᵢ ∂C/∂xᵢ C/w̃        one sweep; then over the contact constraints
+//!     n times, for each row:  xᵢ ← xᵢ − s wᵢ ∂C/∂xᵢ C/w̃        one sweep; then air, then the contact constraints
 //!     v ← v + (x − x̃)/h                                        velocities from positions
 //! ```
 //!
-//! A row is one scalar C with its gradient; an element has one or more. It is the loop of Müller et al. 2007, section
-//! 3.1, without its damping; contact may change velocities at the end
-//! ([`change_velocities`](cloth_core::contact::ContactConstraints::change_velocities)); `v + (x − x̃)/h` is their
-//! `(x − x⁰)/h`, rounded better. `examples/first_program.rs` is this box as plain loops over arrays, and compares
-//! itself with [`PbdSolver`].
+//! It is the loop of Müller et al. 2007, section 3.1, without its damping; `v + (x − x̃)/h` is their `(x − x⁰)/h`,
+//! rounded better. Air ([`StepInput::air`]) is projected after each sweep, as a constraint of stiffness (drag in
+//! kg/s)/h. `examples/first_program.rs` is this box as plain loops over arrays, and compares itself with [`PbdSolver`]:
+//! after 30 steps the two are less than 1e-13 m apart, by rounding.
 //!
 //! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this takes is
 //! [`StepReport::pin_work`] (but see the [limits](#limits)). Nothing is carried from step to step but the state: a
@@ -110,13 +110,12 @@
 //! `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖`. This is for linear rows and pins at rest, without extrapolation, a hierarchy or
 //! Jacobi sweeps that are not averaged. Where x⁰ violates rows, what the sweeps take back becomes velocity.
 //!
-//! **How much is lost?** The prediction is a step of symplectic Euler, a row alone one of implicit Euler: both of order
-//! 1. A spring alone that oscillates along its axis divides its energy by 1 + k h² w̃ in a substep, as with implicit
-//!    Euler (with a fixed s by (1 − s)^(−n), which is that for the k of the first line above). A rigid link about a
-//!    prescribed end that has turned by α in one substep turns in the next by β with `tan β = sin α/(2 − cos α)`, β ≈ α
-//!    − α³: velocities from positions point along the chord, and the projection removes what the prediction along it
-//!    adds to the radius. So a link that turns at ω loses the fraction 2 (h ω)² of its kinetic energy in a substep:
-//!    order h in a given time.
+//! **How much is lost?** The prediction is a step of symplectic Euler, a row alone one of implicit Euler: both of first
+//! order. A spring alone that oscillates along its axis divides its energy by 1 + k h² w̃ in a substep, as with
+//! implicit Euler (with a fixed s by (1 − s)^(−n)). A rigid link about a prescribed end that has turned by an angle a
+//! in one substep turns in the next by b with `tan b = sin a/(2 − cos a)`, b ≈ a − a³: velocities from positions point
+//! along the chord, and the projection removes what the prediction along it adds to the radius. So a link with the
+//! angular velocity Ω loses the fraction 2 (h Ω)² of its kinetic energy in a substep: order h in a given time.
 //!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²`: distance, bending (flat, curved,
 //! by angle), area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
@@ -139,20 +138,17 @@
 //! In a triangle of small height the gradient grows as its inverse, and the correction falls with it; a hinge with a
 //! triangle without area is left alone.
 //!
-//! Müller et al. 2007, appendix A, take `φ = arccos d` instead, d the product of the unit normals along e × (x₂ − x₀)
-//! and e × (x₃ − x₀). Then φ = π − |θ|, and `∂φ = −∂d/√(1 − d²)` is −sign(θ) ∂θ; but it is 0/0 where d = ±1, flat or
-//! folded up, and φ does not know up from down.
-//!
 //! *Which bending?* Isometric bending has `q = (c₁ + c₃, c₀ + c₂, −(c₀ + c₁), −(c₂ + c₃))` (dimensionless, sum 0), c₀
 //! and c₁ the cotangents at rest of the angles of triangle 0, 1, 2 at x₀ and x₁, c₂ and c₃ those of triangle 0, 1, 3; z
-//! (m) is zero where the hinge is flat and unstretched. Each triangle adds to z a vector in its plane, at right angles
-//! to the edge, which points from its tip towards the edge and is as long as the edge. The two are opposite where the
-//! hinge is flat, and add up to 2 ‖e‖ sin(θ/2) where it is folded ([derivation](cloth_core::energy::CurvatureHinge)). z
-//! is linear in x, has a constant w̃ and is cheap ([costs](#costs)); take it for cloth that is flat at rest and hardly
-//! stretches. By angle where a fold has a rest angle, or is sharp. A spring between the tips ([`Spring::across`]) is no
-//! substitute: its length is stationary where the hinge is flat, so it does not resist a small bend. Kelager et al.
-//! 2010 keep the distance of one of three vertices from the centroid of the three: as cheap as a spring, without a
-//! side, and without a gradient where the one lies midway between the two others. That is not offered.
+//! (m) is zero where the hinge is flat and unstretched. Of the first triangle z has
+//! `c₁ (x₀ − x₂) + c₀ (x₁ − x₂) = (‖e‖/H) (p − x₂)`, p the foot of its height H on the edge: a vector from the tip
+//! towards the edge, and as long as the edge. The two are opposite where the hinge is flat, and add up to 2 ‖e‖
+//! sin(θ/2) where it is folded ([derivation](cloth_core::energy::CurvatureHinge)). z is linear in x, has a constant w̃
+//! and is cheap ([costs](#costs)); take it for cloth that is flat at rest and hardly stretches. By angle where a fold
+//! has a rest angle, or is sharp. A spring between the tips ([`Spring::across`]) is no substitute: its length is
+//! stationary where the hinge is flat, so it does not resist a small bend. (Not offered: the arc cosine of Müller et
+//! al. 2007, appendix A, which does not know up from down and has a gradient of 0/0 where flat; the distance from a
+//! centroid of Kelager et al. 2010, without a side.)
 //!
 //! | equation | function |
 //! |---|---|
@@ -161,21 +157,13 @@
 //! | `Δλ = −s C/w̃`: the formula of a row | `stiffness.rs`: `Projection::equation`, as `residual` = s C and `scaled_compliance` = 0 in `(w̃ + scaled_compliance) Δλ = −residual` |
 //! | `w̃`; that equation solved for `Δλ`; `wᵢ ∂C/∂xᵢ Δλ` of one element | `weight`; `change_over`; `row_by_row_correction` and its other forms in `cloth-core/src/method/position_based/correction.rs` |
 //! | the loop over rows | [`Families::sweep`], in the order of [`Sweep`] |
-//! | ω, ρ | [`Acceleration`], [`Chebyshev`] |
+//! | relaxation ω; extrapolation by ρ | [`Acceleration`], [`Chebyshev`] |
 //! | `((1 − s)^(−n) − 1)/(h² w̃)` | [`effective_stiffness`] |
 //! | `1 − (1 + k h² w̃)^(−1/n)` | [`projection_stiffness`] |
 //! | work of prescribed vertices, `−Σ ∂C/∂xᵢ·vᵢ ΣΔλ/h` | [`Motion::count_pin_work`] |
 //! | the loop around them | [`PbdSolver`]: `solver.rs` |
 //! | coarse levels: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ` | [`Hierarchy`], [`PbdSolver::with_hierarchy`] |
 //! | `σ_min ≤ σ ≤ σ_max` | [`StrainLimiter`], [`WithStrainLimit`] |
-//!
-//! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`; the other functions there
-//! are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves the gradient `d/l`
-//! undivided and computes `Δλ/l = −s C/(w̃ l)`, so that one division does for two.
-//!
-//! `examples/first_program.rs` and the solver are within 1e-13 m of each other after 30 steps, not equal to the last
-//! bit: the solver divides in another order, computes s with `exp_m1` and `ln_1p`, and from a w̃ rounded to 40 binary
-//! digits. It keeps s until w̃ changes, since a power x^y costs more than the rest of a visit.
 //!
 //! [`Motion::predict`]: cloth_core::method::position_based::Motion::predict
 //! [`Motion::update_velocities`]: cloth_core::method::position_based::Motion::update_velocities
@@ -190,14 +178,11 @@
 //! back: the family added *first* is visited last, and positions are extrapolated after it. [`Sweep::Colored`], the
 //! default, colours the elements greedily, so that no two of a colour share a vertex: they can be visited in parallel,
 //! without locks, and give the same bits on any number of threads (feature `parallel`; a second thread takes part in
-//! colours of at least 4096 elements). A cloth of 2¹⁹ vertices or more is visited by blocks of 2¹⁴ vertices: all
-//! colours of one block, then the next block. The elements across two blocks follow, likewise by blocks shifted by
-//! half, and what is then left, colour by colour.
+//! colours of at least 4096 elements).
 //!
 //! *How many colours?* Where at most d elements of N vertices meet at a vertex, at least d, and at most N (d − 1) + 1:
 //! an element finds no more than d − 1 others at each of its vertices. A sheet of squares with diagonals of alternating
-//! direction has d = 8 and 8 colours for its springs, d = 16 and 18 for its hinges. Small colours are visited one after
-//! another on one thread.
+//! direction has d = 8 and 8 colours for its springs, d = 16 and 18 for its hinges.
 //!
 //! [`Sweep::Sequential`] keeps the order given and one thread. Jacobi sweeps solve all elements at the same positions.
 //! *In full* ([`Sweep::PlainJacobi`]) each element makes all of its correction; *averaged* ([`Sweep::Jacobi`]) it
@@ -217,8 +202,8 @@
 //! | Gauss–Seidel with `ω = 2/(1 + sin(π/2N))` | `ω − 1` | 14.6 |
 //!
 //! A Jacobi sweep takes the error of each link to the mean of its two neighbours, mirrored at the support and zero
-//! beyond the free end. So its eigenvectors are `cos((i − 1)θ)`, i = 1 … N, with `cos(Nθ) = 0`, the eigenvalues
-//! `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix the eigenvalues of Gauss–Seidel are their squares
+//! beyond the free end. So its eigenvectors are `cos((i − 1)β)`, i = 1 … N, with `cos(Nβ) = 0`, the eigenvalues
+//! `cos β`, the slowest with `β = π/2N`. For a tridiagonal matrix the eigenvalues of Gauss–Seidel are their squares
 //! (Young 1954), from one end to the other as well as by two colours: colours change the answer of unconverged sweeps,
 //! not this rate. For large N a factor of ten takes ln 10 (2N/π)² = 0.93 N² Gauss–Seidel sweeps, 1.47 N with Chebyshev
 //! on Jacobi, 0.73 N with the best ω. A test holds Gauss–Seidel against this law. For sheets nothing is proved, but
@@ -233,19 +218,20 @@
 //! h/l more.
 //!
 //! n ≤ N iterations of one substep divide the sag by n or a little more, n substeps by n² (for XPBD: Macklin et al.
-//! 2019, "Small steps"). At rest the sweeps of a substep have to take back its fall, g h². What a sweep takes back is
-//! in proportion to the strain of the chain. So n sweeps need an n-th of the strain that one needs, and n substeps of
-//! one sweep an n²-th, as each falls n² times less far. Rounding alone bounds h: velocities err by 2⁻⁵² ‖x‖/h, 2e-11
-//! m/s at 1 m and 10 µs. "As many iterations as the mesh is wide", a popular rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)`
-//! of the slowest error: 90 % for N = 24. A soft material needs another method: see the limits.
+//! 2019, "Small steps"). At rest the sweeps of a substep have to lift the chain by what it has fallen, g h². Visits are
+//! linear in the C of the links, so a sweep lifts twice as far where all are stretched twice as much, and n sweeps, as
+//! long as they change the stretch but little, n times as far as one. So n sweeps need an n-th of the stretch, and n
+//! substeps of one sweep an n²-th, as each falls n² times less far. Rounding alone bounds h: velocities err by 2⁻⁵²
+//! ‖x‖/h, 2e-11 m/s at 1 m and 10 µs. "As many iterations as the mesh is wide", a popular rule, leaves
+//! `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24.
 //!
 //! # Acceleration
-//! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω = 1 for the first sweeps, then
-//! `2/(2 − ρ²)`, then `4/(4 − ρ²ω)` again and again (not the ω of SOR); ρ is the spectral radius of a sweep, given or
-//! estimated. **A hierarchy** corrects on coarser levels first, by links that pull where they are too long, and push
-//! only where the correction itself has made them shorter. What they save: a sheet of 128 × 128 vertices, rigid
-//! springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every vertex down by g
-//! h²; sweeps until a hundredth of that is left, and their time on one thread of a 2-core AMD EPYC (the smallest of
+//! **Chebyshev** extrapolates over sweeps: `x⁺ = γ (S(x) − x⁻) + x⁻` with γ = 1 for the first sweeps, then
+//! `2/(2 − ρ²)`, then `4/(4 − ρ²γ)` again and again; ρ is the spectral radius of a sweep, given or estimated. **A
+//! hierarchy** makes *coarse corrections*: on coarser levels first, by links that pull where they are too long, and
+//! push only where the correction itself has made them shorter. What they save: a sheet of 128 × 128 vertices, rigid
+//! springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every vertex down by
+//! `g h²`; sweeps until a hundredth of that is left, and their time on one thread of a 2-core AMD EPYC (the smallest of
 //! some repetitions: `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated from 4 000
 //! or 16 000 sweeps at the rate of their second half.
 //!
@@ -255,14 +241,17 @@
 //! | SOR on it, ω best for a chain of 127 links | 799 | 171 | ≥ 47 869 | 11 300 |
 //! | Chebyshev on it, symmetric, ρ estimated | 605 | 317 | 1572 | 875 |
 //! | the same, ρ = 1 − 2.5/128², nearly the cos²(π/2N) of a chain of N = 127 links | 303 | 163 | 3510 | 1800 |
-//! | hierarchy, one correction | 1 | 5 | ≥ 180 787 | 40 900 |
+//! | hierarchy, one coarse correction | 1 | 5 | ≥ 180 787 | 40 900 |
 //! | hierarchy, every 10 sweeps | 1 | 5 | ≥ 74 979 | 34 200 |
 //!
-//! ω or ρ that were right for an edge are wrong for corners; an estimate adapts. The hierarchy is at its best where the
-//! cloth hangs taut from long supports. It helps little where a sheet hangs flat by two corners: between them the cloth
-//! is compressed, and a correction does not lengthen links that are short when it begins. By an edge one correction
-//! leaves 0.2 to 0.5 % of the fall, on some sizes more than 1 %. That rest decays as slowly as without a hierarchy: on
-//! 64 × 64 vertices it takes 15 further sweeps to 1 %.
+//! ω and ρ stand for how slowly the slowest error decays. By an edge that is the error of a column, a chain. By two
+//! corners the weight of all columns goes through the few links there, as that of a heavy end: the error decays eight
+//! times more slowly, and what is right for a chain does too little. An estimate adapts.
+//!
+//! The hierarchy is at its best where the cloth hangs taut from long supports. It helps little where a sheet hangs flat
+//! by two corners: between them the cloth is compressed, and a coarse correction does not lengthen links that are short
+//! when it begins. By an edge one coarse correction leaves 0.2 to 0.5 % of the fall, on some sizes more than 1 %. That
+//! rest decays as slowly as without a hierarchy: on 64 × 64 vertices it takes 15 further sweeps to 1 %.
 //!
 //! # Which settings
 //! | scene | take |
@@ -270,10 +259,10 @@
 //! | hard constraints | few iterations, many substeps: the sag falls with the square of these |
 //! | a rope, a chain | [`Sweep::Sequential`], links in order from the support |
 //! | a fine sheet, tens of sweeps and more | Chebyshev on the coloured sweep, ρ estimated |
-//! | a sheet that hangs taut from a long support | a [`Hierarchy`], one correction a substep |
+//! | a sheet that hangs taut from a long support | a [`Hierarchy`], one coarse correction a substep |
 //! | cloth that hangs from few anchors, few sweeps | [long-range attachments](#long-range-attachments) |
 //! | a chain of N hard links, a sheet by an edge with N in a column, tens of sweeps and more | over-relaxation, [`Acceleration::relaxation`] of 2/(1 + sin(π/2N)); with few supports it saves [far less](#acceleration) |
-//! | Poisson's ratio, or a modulus alike in all directions on any mesh | the strains of a triangle in place of springs: `MembraneElements::Stvk` in [`Cloth::discretized_with`](cloth_core::Cloth::discretized_with). Softer than its modulus, as [all materials](#limits); its w̃ is not constant, so each visit computes three powers |
+//! | Poisson's ratio, or a modulus alike in all directions on any mesh | the strains of a triangle in place of springs: `MembraneElements::Stvk` in [`Cloth::discretized_with`](cloth_core::Cloth::discretized_with). Softer than its modulus, as [all materials](#limits); its w̃ is not constant, so each visit computes three powers `(1 + k h² w̃)^(−1/n)` |
 //! | a bound on stretch, after this or another method | [`WithStrainLimit`] |
 //! | a soft material | substeps until `k h² w̃ ≪ 1`, or [another method](#when-not-to-use-this-method) |
 //! | the order of the elements must not count | Jacobi, averaged, with Chebyshev |
@@ -281,16 +270,16 @@
 //! # Costs
 //! A step costs substeps × iterations × Σ elements × their cost, and beside it a few passes over the vertices in a
 //! substep; a triangulated sheet has about three springs and three hinges a vertex. On one thread a spring takes 4.5 ns
-//! a sweep (the first row above: 48 641 springs); isometric bending takes 2 to 3 springs, area 10 to 15, bending by
-//! angle 20 to 30 (128 × 128 vertices, falling, on busy 2-core machines, so that only ratios count; on yours:
-//! `cargo run --release -p cloth-pbd --example cost_of_a_sweep`). So with three of each a vertex, isometric bending is
-//! two thirds to three quarters of a sweep. The rule costs nothing where w̃ is constant. Where it is not, as for area
-//! and angle, [`StiffnessRule::Material`] computes a power in each visit, [`StiffnessRule::Fixed`] none. All
-//! numbers are in double precision, and nothing is allocated after the first step. Of a spring its root and its
-//! division count most: the form with the gradient divided in between takes [twice as
-//! long](cloth_core::element::RowForm::Unit).
+//! a sweep (the first row above: 48 641 springs). In springs, area takes 10 to 15, bending by angle 20 to 30 (128 × 128
+//! vertices, falling, on busy 2-core machines, so that only ratios count; on yours:
+//! `cargo run --release -p cloth-pbd --example cost_of_a_sweep`). Isometric bending took 2 to 3 there. The visit of
+//! `cloth-xpbd`, nearly the same code, took 1.5 to 2.1 in a bench that keeps the smallest times. So with three of each
+//! a vertex it is 60 to 75 % of a sweep. The rule costs nothing where w̃ is constant. Where it is not, as for area and
+//! angle, [`StiffnessRule::Material`] computes a power in each visit, [`StiffnessRule::Fixed`] none. All numbers are in
+//! double precision, and nothing is allocated after the first step. Of a spring its root and its division count most:
+//! the form with the gradient divided in between takes [twice as long](cloth_core::element::RowForm::Unit).
 //!
-//! Chebyshev takes more than twice the time of a plain sweep, a correction by the hierarchy, repeated, that of 11
+//! Chebyshev takes more than twice the time of a plain sweep, a coarse correction that of 11 sweeps
 //! ([table](#acceleration)). A long-range attachment is one more row.
 //!
 //! *Contact and self-contact* cost `begin_substep` and `end_substep` in each substep, and a sweep over what can touch
@@ -310,51 +299,56 @@
 //! # Contact
 //! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
 //! then `solver.step(&mut state, StepInput::new(dt).contacts(&mut contacts))?`, with the same contacts in every step.
-//! They include those of the cloth with itself, unless `self_collision(false)`. The solver knows nothing of shapes,
-//! only [`ContactConstraints`](cloth_core::contact::ContactConstraints), and runs no code for contact without them.
+//! They include those of the cloth with itself, unless `self_collision(false)`. The solver knows only
+//! [`ContactConstraints`](cloth_core::contact::ContactConstraints), and runs no code for contact without them.
 //!
 //! In each substep `begin_substep` finds what can touch on the way to x̃. `sweep`, last in each sweep, visits the
-//! contact constraints `C = n·Σ c_k x_k − d₀ ≥ 0` (normal n, nearest points by their weights c_k, negative on one side)
-//! with a compliance α and a λ that they, unlike the cloth's rows, keep for the substep, and friction, on positions
-//! too, within μ λ (μ dimensionless). `end_substep` tests all paths, and stops what would cross, before the velocities
-//! follow from the positions. Contact comes last, so it is met best, and the rows of the cloth are disturbed; a
-//! prescribed vertex does not yield to it. What pushes the cloth out becomes velocity, unless `change_velocities`
-//! removes it: `cloth-collide` does so where there is a coefficient of restitution.
+//! contact constraints `C = n̂·Σ c_k x_k − d₀ ≥ 0` (normal n̂, nearest points by their weights c_k, negative on one
+//! side) with a compliance α and a λ that they, unlike the cloth's rows, keep for the substep, and friction, on
+//! positions too, within μ λ (μ dimensionless). Contact comes last, so it is met best, and the rows of the cloth are
+//! disturbed; a prescribed vertex does not yield to it. What pushes the cloth out becomes velocity.
 //!
-//! *Where d₀ and α come from.* `cloth-collide` gives contact an energy A ψ(d) of the distance d, A the area that the
-//! contact stands for; the pressure is −ψ′. The force of a row is linear in C, so ψ′ is replaced by its tangent at the
-//! d of the start of the substep: `α = 1/(A ψ″)`, and `d₀ = d − ψ′/ψ″`, where the tangent is zero. Above half the range
-//! r of contact `ψ = ½ κ (r − d)²`, so d₀ = r and α = 1/(A κ). A visit is XPBD's, `Δλ = max(−λ, −(C + α̃λ)/(w̃ + α̃))`
-//! with `α̃ = α/h²`. The page of `cloth-xpbd`, *Contact*, has ψ below r/2, A, κ and r, and what `end_substep` does,
-//! step by step.
+//! *Where d₀ and α come from.* `cloth-collide` gives contact an energy A ψ(d) of the distance d, with a range r, the
+//! thickness (1 mm unless set, half of it between two edges), a stiffness κ (10⁶ Pa/m unless set), and A the area at
+//! rest that the contact stands for. That is a third of the triangles around a vertex, before other cloth half of that;
+//! of two edges the smaller of theirs, a third of the triangles beside each.
 //!
-//! *Is Coulomb's cone exact?* A visit first updates λ of its constraint, then its friction `f ← Π(f − u/w̃)`, w̃ = Σ
-//! c_k² w_k: u is how far the point is from where it stuck, in the tangent plane, and Π cuts to the disk `‖f‖ ≤ μ λ`,
-//! round and not a polygon. So however few the sweeps, no contact leaves its cone. The rest of the law, no slip or
-//! `f = −μ λ u/‖u‖`, is what a fixed point of this update says, and holds where the sweeps converge. What comes after
-//! them, paths cut short and restitution, is outside it.
+//! ```text
+//! ψ = ½ κ (r − d)²                 from d = r/2 to r; nothing beyond
+//! ψ = ½ κ t² − κ t² ln(d/t)        below t = r/2, a barrier
+//! ```
 //!
-//! *Prescribed and inside a body?* It stays there: a body and a prescribed vertex are no pair, and only what is free is
-//! pushed out. Prescribed parts of the cloth that cross each other, or leave free cloth no path, end the step with
-//! [`StepError::Contact`].
+//! The force of a row is linear in C, so ψ′ is replaced by its tangent at the d of the start of the substep:
+//! `α = 1/(A ψ″)`, and `d₀ = d − ψ′/ψ″`, where the tangent is zero. Above r/2 `d₀ = r` and `α = 1/(A κ)`; below
+//! `d₀ = 2d`, and the row is stiffer, `ψ″ = κ t²/d²`. A visit is XPBD's, `Δλ = max(−λ, −(C + α̃λ)/(w̃ + α̃))` with
+//! `α̃ = α/h²`.
+//!
+//! *After the sweeps* `end_substep` tests all paths. While pairs come nearer than a tenth of their distance, they are
+//! made hard (α = 0) for 5 more sweeps, up to 3 times; then their vertices go half as far, up to 3 times, or stay where
+//! the substep began, up to 6 times. As a last resort pairs are pushed apart one by one, or move together as one rigid
+//! body. Then `change_velocities`, where a coefficient of restitution e is set, gives each pair that approached with a
+//! speed v_a along n̂ and touched the separation velocity e v_a, by an impulse `(e v_a − v_s)/w̃`, v_s that before.
+//!
+//! *Is Coulomb's cone exact?* A visit first updates λ of its constraint, then its friction `λ_f ← Π(λ_f − u/w̃)`,
+//! `w̃ = Σ c_k² w_k`: u is how far the point is from where it stuck, in the tangent plane, and Π cuts to the disk
+//! `‖λ_f‖ ≤ μ λ`, round and not a polygon. So however few the sweeps, no contact leaves its cone. The rest of the law,
+//! no slip or `λ_f = −μ λ u/‖u‖`, is what a fixed point of this update says, and holds where the sweeps converge. What
+//! comes after them, paths cut short and restitution, is outside it.
+//!
+//! *Prescribed and inside a body?* It stays there: a body and a prescribed vertex are no pair. Prescribed parts of the
+//! cloth that cross each other, or leave free cloth no path, end the step with [`StepError::Contact`].
 //!
 //! [The strain that sweeps leave](#limits) is elastic energy, which contact can release. A sheet of 64 × 64 vertices
-//! and 0.2 kg falls 5 cm onto a ball. With implicit Euler it falls by 0.32 m in all, worth 0.6 J; with the default of
-//! 20 iterations it gains some 1500 J (`cloth-bench/doc/results.md`).
+//! and 0.2 kg that falls 5 cm onto a ball gets 0.6 J from gravity with implicit Euler; with the default of 20
+//! iterations it gains some 1500 J (`cloth-bench/doc/results.md`).
 //!
 //! # Errors and bad input
-//! - **Building** is refused with a [`BuildError`]: `OutOfRange`, with the setting, its value and its range, for zero
-//!   iterations or substeps, a fixed stiffness outside [0, 1], a relaxation outside (0, 2), …; `NoSuchVertex` or
-//!   `RepeatedVertex`, with the element and the vertex; `UnsupportedElements` for elements that are no constraints. k
-//!   is [not checked](#limits) here, but [`Cloth::on`](cloth_core::Cloth::on) refuses one that is negative or not
-//!   finite, by [`ClothError::OutOfRange`](cloth_core::cloth::ClothError::OutOfRange). A mass that is not positive and
-//!   finite is refused before, by [`Particles::new`]
-//!   ([`ParticleError::InvalidMass`](cloth_core::particles::ParticleError::InvalidMass)).
-//! - **A mesh** is refused by [`TriMesh::new`](cloth_core::TriMesh::new) with a [`MeshError`](cloth_core::MeshError): a
-//!   position that is not finite (`NonFinitePosition`), a vertex in no triangle (`UnreferencedVertex`) or twice in one
-//!   (`RepeatedVertex`), a triangle without area (`ZeroArea`), the same triangle twice (`DuplicateTriangle`); and an
-//!   edge of three or more triangles (`NonManifoldEdge`) by whatever asks for edges:
-//!   [`Cloth::on`](cloth_core::Cloth::on), [`EdgeTable::build`](cloth_core::topology::EdgeTable::build),
+//! - **Building** is refused with a [`BuildError`]: a setting out of its range, an element that names a vertex twice or
+//!   one that is missing, elements that are no constraints. k is [not checked](#limits) here, but
+//!   [`Cloth::on`](cloth_core::Cloth::on) refuses one that is negative or not finite, [`Particles::new`] a mass that is
+//!   not positive and finite.
+//! - **A mesh** is refused by [`TriMesh::new`](cloth_core::TriMesh::new) with a [`MeshError`](cloth_core::MeshError),
+//!   an edge of three or more triangles by whatever asks for edges, as [`Cloth::on`](cloth_core::Cloth::on) and
 //!   [`Hierarchy::build`]. Elements made by hand need no mesh: a vertex in none of them flies freely, a rest length may
 //!   be zero, and an edge may have hinges for every two of its triangles. A triangle turned over is at rest, since
 //!   neither lengths nor areas have a sign.
@@ -368,9 +362,8 @@
 //!   [`AreaTriangle`](cloth_core::energy::AreaTriangle) flattened to a line, are driven apart in a direction that
 //!   depends on their numbers only.
 //! - **No convergence test.** A step makes its sweeps and reports [`Outcome::BudgetSpent`](cloth_core::step::Outcome).
-//!   To see how a scene of yours converges, pass an [`Observer`](cloth_core::step::Observer) with
-//!   [`StepInput::observer`]: it gets the positions after every sweep, numbered from 1. An error computed from them,
-//!   over that number, is the curve of convergence.
+//!   To see how a scene converges, pass an [`Observer`](cloth_core::step::Observer) with [`StepInput::observer`]: it
+//!   gets the positions after every sweep, numbered from 1.
 //!
 //! # Add an element
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives the
@@ -421,10 +414,10 @@
 //!
 //! # Long-range attachments
 //! A curve over the cloth from a vertex x to an anchor p is at least as long as the straight line between them, and
-//! where no triangle is stretched, no longer than at rest. So `‖x − p‖ ≤ r`, with r the length at rest of any curve
-//! over the cloth from x to p; the shortest, the geodesic, says most (Kim et al. 2012). A longer r lets the cloth
+//! where no triangle is stretched, no longer than at rest. So `‖x − p‖ ≤ R`, with R the length at rest of any curve
+//! over the cloth from x to p; the shortest, the geodesic, says most (Kim et al. 2012). A longer R lets the cloth
 //! stretch by as much before the bound acts. A shorter one is wrong: with the straight distance, cloth that is folded
-//! or rolled at rest could not open. How far r is above the geodesic of a flat sheet, over many triangles in the worst
+//! or rolled at rest could not open. How far R is above the geodesic of a flat sheet, over many triangles in the worst
 //! direction, however fine the mesh:
 //!
 //! | shortest way | too long by |
@@ -435,12 +428,16 @@
 //! | along edges, one-way diagonals | √2 − 1 = 41 % |
 //!
 //! The element is a [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) from x to a prescribed p, with
-//! shortest length 0, longest r and infinite stiffness, which [`StiffnessRule::Material`] projects in full. It moves x
-//! alone. So, added last, it holds after every Gauss–Seidel sweep, however few there are, with a relaxation of 1 and
-//! without Chebyshev. (Contact comes after it. A symmetric sweep visits it in the middle and is extrapolated; in a
-//! Jacobi sweep nothing is last.) It bounds the stretch away from p and no other. p may move: r belongs to the rest
-//! shape, ‖x − p‖ to now. Several anchors of x are several rows, of which the one visited last holds exactly. Two can
-//! both hold as long as the distance of their anchors is not above the sum of their r. All rows of one p share a
+//! shortest length 0, longest R and infinite stiffness, which [`StiffnessRule::Material`] projects in full. It moves x
+//! alone. So, added last, it holds after every Gauss–Seidel sweep, however few there are, unless
+//!
+//! - air or contact, which come after it, move x;
+//! - the relaxation is not 1;
+//! - Chebyshev extrapolates, and visits it in the middle of a symmetric sweep.
+//!
+//! (In a Jacobi sweep nothing is last.) It bounds the stretch away from p and no other. p may move: R belongs to the
+//! rest shape, ‖x − p‖ to now. Several anchors of x are several rows, of which the one visited last holds exactly. Two
+//! can both hold as long as the distance of their anchors is not above the sum of their R. All rows of one p share a
 //! vertex, so each has a [colour](#order-of-the-constraints-colours-and-threads) of its own. For thousands of them
 //! write an element of x alone, N = 1, that has p as numbers (a moving one by `set_time`): no two share a vertex then,
 //! and one colour is enough.
@@ -468,6 +465,10 @@
 //!   [symmetric](#order-of-the-constraints-colours-and-threads) sweep is twice the work. Where extrapolation makes
 //!   corrections grow, it is disabled until the next substep.
 //! - The hierarchy, too, makes cloth stiff whatever its k: see [`Hierarchy`].
+//! - **Redundant and contradictory hard rows.** Redundant ones agree: sweeps converge to positions that meet all, and a
+//!   row that others have met moves nothing. Where no point meets all rows each visit meets its own and undoes others.
+//!   Gauss–Seidel sweeps then end in a cycle: after each the row visited last is met, and positions lie between what
+//!   the rows ask for. Averaged Jacobi has a limit, a compromise.
 //! - It is not the minimiser of implicit Euler, at any number of iterations: the iteration with a fixed s > 0 tends to
 //!   C = 0, whatever k.
 //! - Linear momentum is conserved to round-off in free flight. Angular momentum is not: each correction has no moment
@@ -481,11 +482,10 @@
 //!   be thousands of times the work that was done. PBD does not turn it into motion; contact, a strain limit, or
 //!   another method that continues the run may.
 //! - There is no damping but the [method's own](#the-step). That of Müller et al. 2007, section 3.5, moves each
-//!   velocity by a fraction k of its distance from the rigid motion with the same momenta,
-//!   `vᵢ ← vᵢ + k (v_c + ω × rᵢ − vᵢ)`, with the velocity v_c of the centre of mass, rᵢ from there, and ω = I⁻¹L from
-//!   angular momentum and inertia. It keeps both momenta, but treats the whole cloth as one stiff body: waves and folds
-//!   of any length die out alike, and k counts steps, not seconds. So it is not offered; scale velocities between steps
-//!   for more. No speed is clamped either.
+//!   velocity by a fraction of its distance from the rigid motion with the same momenta, `v_c + (I⁻¹L) × (xᵢ − x_c)`:
+//!   v_c and x_c of the centre of mass, L the angular momentum and I the inertia about it. It treats the whole cloth as
+//!   one stiff body: waves and folds of any length die out alike, and the fraction counts steps, not seconds. So it is
+//!   not offered; scale velocities between steps for more. No speed is clamped either.
 //! - Isotropic materials only: no moduli of their own along warp and weft. (Springs made by hand may each have a k.)
 //! - Stiffnesses are taken to be zero, positive or infinite, and not checked. A negative one pushes away from C = 0;
 //!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].

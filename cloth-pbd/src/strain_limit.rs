@@ -75,7 +75,8 @@ impl StretchRange {
 ///   becomes smaller turns faster, as a skater does. Of all changes of the velocities that do it, this is the smallest
 ///   in the metric of M. (Projection by projection it would be more local, but add energy in every pass.)
 ///
-/// A component with one prescribed vertex conserves the angular momentum about this vertex; with two, none.
+/// A component with one prescribed vertex conserves the angular momentum relative to it, `Σ m (x − c) × (v − u)` with c
+/// and u its position and velocity; with two, none.
 ///
 /// Limits: Gauss–Seidel, so a tight limit on a large cloth takes many passes, as the square of its vertices a side: a
 /// sheet that hangs by its upper edge, stretched by 10 %, 112, 438, 1718 and 6752 to a limit of 5 % with 9, 17, 33
@@ -101,7 +102,8 @@ pub struct LimitReport {
     pub outcome: Outcome,
     /// Passes over all elements, the last one included.
     pub passes: u32,
-    /// Largest excess of a ratio over its range in the last pass (dimensionless).
+    /// Largest excess of a ratio over its range in the last pass (dimensionless). Where contact then truncates a
+    /// displacement ([`WithStrainLimit`]) it is still this, and only `outcome` says so.
     pub violation: Real,
 }
 

@@ -37,7 +37,7 @@ impl Constraint<2> for Tether {
 /// multiplier that pulls where the link would be longer, pushes where it would be shorter, and is zero between.
 ///
 /// A link that is short, as where cloth folds between two coarse vertices, may stay short; but the correction
-/// itself does not make links shorter; why, says [`Hierarchy`](super::Hierarchy).
+/// itself does not make links shorter: [`Hierarchy`](super::Hierarchy) has the formulas and the reason.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum TetherUpdate {
     /// Stores the lengths of the links.

@@ -12,8 +12,8 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 /// new start.
 ///
 /// Contact takes part in the method's step; the displacements by the limits after it are truncated so that they cross
-/// nothing. Where that truncates one, the report says that the limits were not met. All else in the report, the work of
-/// prescribed vertices too, is that of the method alone.
+/// nothing. Where that truncates one, the outcome says that the limits were not met; the violation is still that
+/// before. All else in the report, the work of prescribed vertices too, is that of the method alone.
 pub struct WithStrainLimit {
     method: Box<dyn Stepper>,
     limiter: StrainLimiter,
