@@ -65,8 +65,8 @@
 //! ```
 //!
 //! # Limits
-//! - Springs and vector rows whose rest data do not change with time only, coloured sweeps only, no damping, no extrapolation, no forces read out: for
-//!   all that there is [`XpbdSolver`](crate::XpbdSolver).
+//! - Springs and vector rows whose rest data do not change with time; coloured sweeps; no damping, no extrapolation, no
+//!   forces read out. For all that there is [`XpbdSolver`](crate::XpbdSolver).
 //! - A stiffness is infinite from `1/(k h²) < 1e-38` on, and zero from `1/(k h²) > 1e30`.
 //! - Where a colour's last pack is not full, springs are visited in another order than by
 //!   [`XpbdSolver`](crate::XpbdSolver): converged results agree, iterates nearly.
@@ -277,7 +277,8 @@ impl SingleBuilder {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchVertex`]; [`BuildError::RepeatedVertex`];
-    /// [`BuildError::SettingsConflict`] and [`BuildError::UnsupportedElements`] for elements that are not a vector row.
+    /// [`BuildError::SettingsConflict`] and [`BuildError::UnsupportedElements`] for elements that are not a vector row;
+    /// the former also where rest data change with time.
     pub fn build(self) -> Result<SingleXpbd, BuildError> {
         if let Some(error) = self.error {
             return Err(error);

@@ -28,18 +28,18 @@ use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
 ///
 /// What takes the time is the chain of load, root, quotient and store of each spring. The naive loop visits springs in
 /// the order of their vertices, each waiting for the one before it; those of a colour do not wait for one another.
-/// Vertices should be numbered along the mesh, or sorted by
+/// Vertices should be numbered along the mesh, or along a curve that fills space and so keeps neighbours close,
 /// [`Order::morton`](cloth_core::method::ordering::Order::morton).
 ///
 /// **The rest of a substep**, without contact, damping and extrapolation: x̃ and its copy, the velocities, and λ set to
 /// zero. So a step of V vertices in s substeps of n sweeps takes about `s V (a n + b)` ns, linear in V for given s and
 /// n.
 ///
-/// **a and b measured** (2 cores of an Intel Xeon VM, commit 3158c95, median of 60 steps,
-/// `cargo run --release -p cloth-bench -- run hang --n 64 --steps 60 --method xpbd --threads 1` with
-/// `--set energy_gain=none --set substeps=177 --set iterations=1`, and 2): a step takes 39.8 ms with one sweep a
-/// substep, 73.1 ms with two. The difference is 188 µs a sweep, and what is left of a substep 37 µs: a = 46 and b = 9,
-/// of 4096 vertices. So a substep with its one sweep costs 1.2 times what one more sweep does.
+/// **a and b measured** (2 cores of an Intel Xeon VM, commit 3158c95, median of 60 steps):
+/// `run hang --n 64 --steps 60 --method xpbd --threads 1 --set energy_gain=none --set substeps=177 --set iterations=1`
+/// of `cloth-bench`, and 2. A step takes 39.8 ms with one sweep a substep, 73.1 ms with two. The difference is 188 µs a
+/// sweep, and what is left of a substep 37 µs: a = 46 and b = 9, of 4096 vertices. So a substep with its one sweep
+/// costs 1.2 times what one more sweep does.
 #[derive(Debug)]
 pub struct XpbdSolver {
     pub(crate) motion: Motion,
@@ -174,8 +174,8 @@ impl XpbdSolver {
         sum
     }
 
-    /// Sets λ of every row to zero, once per substep, which begins at `time` (s). Damped it sets ν to `−k h β C⁰`,
-    /// where C⁰ is of the positions and the rest data at that time; of the last substep of a step that is remembered.
+    /// Sets λ of every row to zero, once per substep, which begins at `time` (s). Damped it sets ν to `−k h β C⁰`, with
+    /// the C⁰ of the positions and the rest data at that time, and keeps `k h β C⁰` of the last substep, to read λ out.
     fn begin_substep(&mut self, update: XpbdUpdate, time: Real, is_last: bool) {
         let damped = self.config.damping > 0.0;
         if !damped && self.prepared == Some(update) {

@@ -349,7 +349,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
     let of_step = |rows: &[(At, Reached)]| Table::named(&["scene", "n", "method", "setting"], rows);
     study.table(
         "contact-step",
-        "One step in contact, every method at its default (but forward Euler, which is not stable at any)",
+        "One step in contact, every method that aims at the implicit Euler step, at its default (so not bdf2 and implicit-midpoint; nor forward Euler, which is stable at none)",
         of_step(&defaults),
     );
     study.table(
