@@ -24,6 +24,8 @@ mod rest_state;
 mod rows;
 #[path = "contract/same_minimum.rs"]
 mod same_minimum;
+#[path = "contract/scene_files.rs"]
+mod scene_files;
 #[path = "contract/skips.rs"]
 mod skips;
 #[path = "contract/strain_limit.rs"]

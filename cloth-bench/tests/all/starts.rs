@@ -1,10 +1,11 @@
 //! Cloth that starts inside a body is refused before the first step; one nearer than the thickness is warned of.
 
-use crate::exact_runs::run;
+use crate::exact_runs;
 use crate::program::program;
 use crate::scene_text::{scene, written};
 use cloth_bench::method::{METHODS, Method};
-use cloth_bench::run::from_start;
+use cloth_bench::run::{self, from_start};
+use cloth_bench::scene::file;
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::{generate, obj};
@@ -157,7 +158,7 @@ fn a_sheet_at_rest_holds_the_energy_of_its_contact() {
         .iter()
         .filter(|method| !restless.contains(&method.name))
     {
-        let (summary, _) = run(&scene, method.name, &[], 2);
+        let (summary, _) = exact_runs::run(&scene, method.name, &[], 2);
         let off = summary.contact_energy / expected - 1.0;
         assert!(off.abs() < 1e-9, "{}: {off:e}", method.name);
         let rest = summary.elastic_energy + summary.gravity_energy;
@@ -181,7 +182,7 @@ fn a_start_nearer_than_the_thickness_is_told_with_its_energy() {
         let text = format!("dt = 0.01\n{SHEET}translate = [0, 0, {z}]\n{floor}");
         let scene = scene(&format!("start-{name}"), &text);
         for method in ["implicit-euler", "pd", "xpbd"] {
-            let (summary, _) = run(&scene, method, &[], 1);
+            let (summary, _) = exact_runs::run(&scene, method, &[], 1);
             let told = summary.contact_energy_at_start;
             assert!((told - expected).abs() < 1e-12, "{name} {method}: {told}");
             let warning = summary.start_warning();
@@ -198,5 +199,55 @@ fn a_start_nearer_than_the_thickness_is_told_with_its_energy() {
     assert!(
         said.contains("0.000e0 m below the surface") && said.contains("0.004 m away"),
         "{said}"
+    );
+}
+
+/// A sheet that has come to rest, exported and read in again as the start, stays at rest, and its pins where they are.
+#[test]
+fn a_run_goes_on_from_an_exported_step() {
+    let mesh = generate::irregular(9, 0.4, 0.3, 3).unwrap();
+    let file = written("start-mesh", "").with_extension("obj");
+    obj::write(&file, mesh.positions(), mesh.triangles()).unwrap();
+    let text = format!(
+        "dt = 0.01\n[[mesh]]\nfile = {file:?}\n[[pins]]\nselect = \"corners\"\nmove = [0, 0.02, 0]\nduration = 0.05\n"
+    );
+    let first = scene("start-first", &text);
+    let settings = Settings::default().with("tolerance", 1e-9);
+    let method = Method::find("implicit-euler").unwrap();
+    let mut solver = method.build(&first, &settings, 0.01).unwrap();
+    let mut state = first.start.clone();
+    run::to_rest(&first, &mut *solver, &mut state, 0.01, 4000, 1e-9).unwrap();
+    let order = first.order.as_ref().unwrap();
+    let moved: Vec<Vec3> = order
+        .new_of_old()
+        .iter()
+        .map(|&v| state.positions[v as usize])
+        .collect();
+    let end = file.with_file_name("start-end.obj");
+    obj::write(&end, &moved, mesh.triangles()).unwrap();
+    let still = text.replace("move = [0, 0.02, 0]\nduration = 0.05\n", "");
+    let second = scene(
+        "start-second",
+        &format!("{still}[start]\npositions = {end:?}\n"),
+    );
+    let mut solver = method.build(&second, &settings, 0.01).unwrap();
+    let mut state = second.start.clone();
+    run::run(
+        &second,
+        &mut *solver,
+        &mut state,
+        0.01,
+        20,
+        |_, _, _| Ok(()),
+    )
+    .unwrap();
+    for (x, start) in state.positions.iter().zip(&second.start.positions) {
+        assert!((x - start).norm() < 1e-8, "{x} for {start}");
+    }
+    let wrong = format!("{SHEET}[start]\npositions = {end:?}\n");
+    let error = file::build(&written("start-wrong", &wrong), &Settings::default()).unwrap_err();
+    assert!(
+        error.to_string().contains("vertices, but the meshes have"),
+        "{error}"
     );
 }

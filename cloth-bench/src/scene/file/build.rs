@@ -313,16 +313,11 @@ impl<'a> Sections<'a> {
         let holds: Vec<pins::Hold> = holds.collect::<Result<_, _>>()?;
         let name = |v: usize| order.as_ref().map_or(v, |o| o.old_of_new()[v] as usize);
         pins::refuse_overlap(&self.pins, &holds, name)?;
+        let positions = start::positions(&self.start, folder, &mesh, order.as_ref())?;
         let timed = holds.iter().filter(|hold| hold.is_timed());
         let timed: Vec<usize> = timed.flat_map(|hold| hold.vertices.clone()).collect();
         for (section, hold) in self.pins.iter().zip(holds) {
-            hold.apply(
-                section,
-                mesh.positions(),
-                &mut model,
-                &mut ways,
-                &mut changes,
-            )?;
+            hold.apply(section, &positions, &mut model, &mut ways, &mut changes)?;
         }
         let known = (&model.particles, &timed[..]);
         changes.extend(event::changes(&self.events, grasped, known, name)?);
@@ -363,6 +358,7 @@ impl<'a> Sections<'a> {
             hints,
             ..built_in::of_mesh("", &mesh, model, gravity)
         };
+        scene.start.positions = positions;
         start::apply(&self.start, &mut scene)?;
         let order = scene.order.clone();
         for (section, ends) in self.seams.iter().zip(seams) {

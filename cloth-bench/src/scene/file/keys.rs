@@ -224,6 +224,9 @@ crate::choices! {
 crate::settings! {
     /// Of `[start]`.
     pub(super) struct Start {
+        positions: Option<String> = "none",
+            "an OBJ or PLY file in m, such as an exported step: where all vertices are, in the order of the meshes; \
+             held ones are held there";
         velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "of every vertex that is not held";
         wave: Option<Vec3> = "[0, 0, 0]" "m",
             "amplitude of a shift a sin(2π k·x), so that a flat sheet knows where to buckle";

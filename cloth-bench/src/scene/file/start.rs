@@ -4,7 +4,36 @@ use super::document::Section;
 use super::keys::Start;
 use crate::error::BenchError;
 use crate::scene::Scene;
+use cloth_core::math::Vec3;
+use cloth_core::mesh::{TriMesh, io};
+use cloth_core::method::ordering::Order;
 use std::f64::consts::TAU;
+use std::path::Path;
+
+/// Where the vertices of `mesh` are (m): at rest, or where a file has them, in the caller's order.
+pub(super) fn positions(
+    section: &Section<'_>,
+    folder: &Path,
+    mesh: &TriMesh,
+    order: Option<&Order>,
+) -> Result<Vec<Vec3>, BenchError> {
+    let own = section.read::<Start>()?;
+    let mut positions = mesh.positions().to_vec();
+    let Some(file) = own.positions.as_deref() else {
+        return Ok(positions);
+    };
+    let given = io::read(&folder.join(file)).map_err(|error| own.positions.refuse(error))?;
+    let (found, wanted) = (given.vertex_count(), positions.len());
+    if found != wanted {
+        let message = format!("{file} has {found} vertices, but the meshes have {wanted}");
+        return Err(own.positions.refuse(message));
+    }
+    for (v, x) in given.positions().iter().enumerate() {
+        let place = order.map_or(v, |order| order.new_of_old()[v] as usize);
+        positions[place] = *x;
+    }
+    Ok(positions)
+}
 
 pub(super) fn apply(section: &Section<'_>, scene: &mut Scene) -> Result<(), BenchError> {
     let own = section.read::<Start>()?;
