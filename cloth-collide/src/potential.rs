@@ -55,6 +55,10 @@
 //! vertices share, is longer than 10 h, all paths are tested only up to the fraction at which it has 10 h, and the
 //! answer is at most that fraction. So an answer below 1 need not mean that there is a contact.
 //!
+//! Projective dynamics takes the energy as well. A view as squared distances ½ w ‖S x − p‖² to sets would be in its
+//! constant matrix, but w would have to be ψ″, which differs from pair to pair by orders of magnitude and grows as 1/d²
+//! in the barrier, and the pairs come and go.
+//!
 //! The pairs are not an active set. E is one function, the sum over all pairs, to which those beyond their range add
 //! nothing; the list of pairs holds at least those within range anywhere on the path. So a new detection changes which
 //! terms are evaluated and not their sum, and a line search meets one continuously differentiable energy. The set of

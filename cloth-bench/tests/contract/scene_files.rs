@@ -4,6 +4,7 @@ use cloth_bench::method::Method;
 use cloth_bench::run::{Plan, SeparationWatch, Solver, run_changing};
 use cloth_bench::scene::file;
 use cloth_bench::settings::Settings;
+use cloth_bench::studies::variants::Variant;
 use cloth_core::math::Real;
 use std::path::{Path, PathBuf};
 
@@ -35,11 +36,11 @@ fn files() -> Vec<(String, PathBuf)> {
 /// was given.
 fn keeps_what_is_promised(method: &str, steps: u32, most: Real) {
     let known = Method::find(method).unwrap();
-    let settings = Settings::default();
+    let settings = Variant::default_of(known).settings;
     let mut count = 0;
     for (name, path) in files() {
         let at = format!("{name}, {method}");
-        let scene = file::build(&path, &settings).unwrap();
+        let scene = file::build(&path, &Settings::default()).unwrap();
         let mut solver = match Solver::new(known, &settings, &scene, scene.dt) {
             Ok(solver) => solver,
             Err(error) => {
