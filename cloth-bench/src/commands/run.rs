@@ -14,7 +14,7 @@ use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use clap::Args;
 use cloth_collide::untangle::CrossingPairs;
-use cloth_core::math::Real;
+use cloth_core::math::{Real, Vec3};
 use cloth_core::step::Stepper;
 use forces::ForcesTable;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -105,9 +105,22 @@ pub struct Arguments {
     /// PNG file for a picture of the end
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
+    /// Where the camera of the picture looks, such as 0,1,-0.3 (any length); otherwise from the front and a little down
+    #[arg(long, value_name = "X,Y,Z", requires = "picture", value_parser = direction, allow_hyphen_values = true)]
+    look: Option<Vec3>,
     /// One JSON object instead of lines
     #[arg(long)]
     json: bool,
+}
+
+/// Three numbers, not all zero.
+fn direction(text: &str) -> Result<Vec3, String> {
+    let numbers: Result<Vec<Real>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let three: Option<[Real; 3]> = numbers.ok().and_then(|all| all.try_into().ok());
+    let direction = three
+        .map(Vec3::from)
+        .filter(|v| v.norm() > 0.0 && v.norm().is_finite());
+    direction.ok_or_else(|| "needs three finite numbers such as 0,1,-0.3, not all zero".into())
 }
 
 /// More threads than this are a slip of the pen.
@@ -341,7 +354,7 @@ fn simulate(
         pairs.extend(compared(&scene, solver.stepper(), steps, dt)?);
     }
     if let (Some(file), Some(mesh)) = (&arguments.picture, &scene.mesh) {
-        write_file(file, &picture::of(&scene, mesh, &state)?)?;
+        write_file(file, &picture::of(&scene, mesh, &state, arguments.look)?)?;
     }
     let warnings = [
         summary.start_warning(),

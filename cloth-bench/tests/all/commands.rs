@@ -1,5 +1,6 @@
-//! Work without progress to show is spoken of.
+//! Work without progress to show is spoken of; pictures are seen from where one wants.
 
+use crate::program::{folder, program, refused};
 use cloth_bench::commands::while_saying;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
@@ -17,4 +18,38 @@ fn long_work_is_spoken_of_until_it_ends() {
         7
     });
     assert_eq!(result, 7);
+}
+
+/// The part of a picture of a flat sheet, seen along a direction, that is not background.
+fn seen(look: &str) -> f64 {
+    let file = folder("look").join(format!("{look}.png"));
+    let path = file.to_str().unwrap();
+    let run = ["run", "drop", "--n", "9", "--method", "pd", "--steps", "1"];
+    let output = program(&[&run[..], &["--picture", path, "--look", look]].concat());
+    assert!(output.status.success(), "{output:?}");
+    let bytes = std::fs::read(&file).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+        .read_info()
+        .unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let pixels: Vec<&[u8]> = pixels
+        .chunks(info.line_size / info.width as usize)
+        .collect();
+    let other = pixels.iter().filter(|pixel| **pixel != pixels[0]).count();
+    other as f64 / pixels.len() as f64
+}
+
+#[test]
+fn a_picture_is_seen_from_where_one_wants() {
+    // From above all of it, along it next to nothing.
+    let [above, along] = ["0,0,-1", "0,1,0"].map(seen);
+    assert!(above > 0.5 && along < 0.1, "{above} {along}");
+    let run = ["run", "drop", "--n", "9", "--method", "pd", "--steps", "1"];
+    let wrong = [&run[..], &["--picture", "look.png", "--look", "0,0"]].concat();
+    refused(
+        &wrong,
+        2,
+        &["--look", "three finite numbers such as 0,1,-0.3"],
+    );
 }

@@ -12,8 +12,14 @@ use cloth_core::particles::State;
 /// Radius of a link, in parts of the box around the cloth.
 const LINK: Real = 2e-3;
 
-/// A PNG file of the cloth `mesh` in a state of the scene, with its links and bodies.
-pub(super) fn of(scene: &Scene, mesh: &TriMesh, state: &State) -> Result<Vec<u8>, BenchError> {
+/// A PNG file of the cloth `mesh` in a state of the scene, with its links and bodies; seen along a direction, if one is
+/// given.
+pub(super) fn of(
+    scene: &Scene,
+    mesh: &TriMesh,
+    state: &State,
+    look: Option<Vec3>,
+) -> Result<Vec<u8>, BenchError> {
     let obstacles = scene.obstacle_surfaces(state.time);
     let (ends, sides) = links(scene, &state.positions);
     let mut surfaces = vec![
@@ -22,7 +28,20 @@ pub(super) fn of(scene: &Scene, mesh: &TriMesh, state: &State) -> Result<Vec<u8>
     ];
     let seen = |(positions, triangles)| Surface::obstacle(positions, triangles);
     surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
-    Ok(render(&surfaces, &view(scene, state))?)
+    let view = view(scene, state);
+    let direction = look.unwrap_or(view.direction);
+    // Up and down have an up of their own: the axis that is farthest from them.
+    let is_upright = direction.cross(&view.up).norm() > 1e-6 * direction.norm();
+    let up = match is_upright {
+        true => view.up,
+        false => Vec3::ith((direction.iamax() + 2) % 3, 1.0),
+    };
+    let view = View {
+        direction,
+        up,
+        ..view
+    };
+    Ok(render(&surfaces, &view)?)
 }
 
 /// Links as prisms: their vertices (m), of the cloth at `x` (m), and their triangles.
@@ -30,12 +49,13 @@ fn links(scene: &Scene, x: &[Vec3]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let [low, high] = bounds(x.iter().copied());
     let radius = LINK * (high - low).norm();
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    let links = scene.model.others.iter().filter_map(|family| match family {
-        Elements::Links(links) => Some(links),
-        _ => None,
+    let ends = scene.model.others.iter().flat_map(|family| match family {
+        Elements::Links(links) => links.iter().map(|link| link.vertices).collect(),
+        Elements::SlackLinks(links) => links.iter().map(|link| link.vertices).collect(),
+        _ => Vec::new(),
     });
-    for link in links.flatten() {
-        let [a, b] = link.vertices.map(|v| x[v as usize]);
+    for ends in ends {
+        let [a, b] = ends.map(|v| x[v as usize]);
         let Some(along) = (b - a).try_normalize(0.0) else {
             continue;
         };
