@@ -334,6 +334,7 @@ pub fn two(number: f64) -> String {
 pub fn percent(fraction: f64) -> String {
     match 100.0 * fraction {
         none if none.abs() < 0.005 => "0 %".into(),
+        beyond if beyond.abs() >= 1e6 => format!("{beyond:.0e} %"),
         share => format!("{} %", two(share)),
     }
 }

@@ -400,7 +400,7 @@ pub fn recover(
 /// Cloth that passes through itself at the start.
 fn recovery(study: &mut StudyRun<'_>) {
     let scope = study.scope;
-    let size = scope.pick((9, 40), (17, 40));
+    let size = scope.pick((9, 40), (17, 100));
     let methods = || methods(scope).filter(|method| *method != LEFT_OUT);
     let (tried, of_methods) = (methods().collect_vec(), methods().collect_vec());
     let rows = study.grid_side_by_side(

@@ -1,6 +1,6 @@
 //! Tables as text, CSV and HTML.
 
-use cloth_bench::report::table::{Cell, Mark, Table, significant};
+use cloth_bench::report::table::{Cell, Mark, Table, percent, significant};
 
 /// Reads RFC 4180 back: fields, and whether each was quoted.
 fn parse(csv: &str) -> Vec<Vec<(String, bool)>> {
@@ -129,4 +129,10 @@ fn significant_digits() {
     ] {
         assert_eq!(significant(number, 4), text);
     }
+}
+
+#[test]
+fn a_share_is_told_in_two_digits_and_beyond_all_measure_as_a_power() {
+    let told = [0.0, 4e-5, 0.01234, 1.5, 4134.7, 5.7e19].map(percent);
+    assert_eq!(told, ["0 %", "0 %", "1.2 %", "150 %", "413470 %", "6e21 %"]);
 }
