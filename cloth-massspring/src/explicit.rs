@@ -296,7 +296,8 @@ impl Explicit {
                 // The pin moves against the elastic force.
                 balance.pin_work += gradient.dot(&after) * dt;
             } else {
-                balance.work += mass * external.dot(&velocity) * dt;
+                // Forward Euler moves by it in the next substep, but has its kinetic energy in this one.
+                balance.work += mass * external.dot(&after) * dt;
                 balance.kinetic += 0.5 * mass * after.norm_squared();
             }
         }

@@ -316,7 +316,7 @@ fn program_writes_the_forces_on_bodies() {
         .collect();
     assert_eq!(rows.len(), 240);
     let [ball, floor, plane] = [&rows[237], &rows[238], &rows[239]];
-    assert_eq!([ball, floor, plane].map(|row| row[2]), [1.0, 2.0, 3.0]);
+    assert_eq!([ball, floor, plane].map(|row| row[2]), [0.0, 1.0, 2.0]);
     assert_eq!((ball[0], ball.len()), (80.0, 15));
     let weight = 0.2 * 0.16 * 9.81;
     assert!(
