@@ -144,16 +144,21 @@ impl<'a> Course<'a> {
                 solver.build(&scene, dt)?;
                 self.rebuilds += 1;
             }
-            if let (ChangeKind::Tear { .. }, Some(timed)) = (&change.kind, &mut self.contacts)
-                && let Some(source) = scene.contacts_from(state.time)?
-            {
-                timed.source = source;
-                timed.source.contacts.record_forces(self.forces);
-                self.untangling.renew(&scene, timed);
-            }
             if let Some(timed) = &mut self.contacts {
                 let contacts = &mut timed.source.contacts;
                 match change.kind {
+                    ChangeKind::Tear { .. } => {
+                        if let Some(source) = scene.contacts_from(state.time)? {
+                            timed.source = source;
+                            timed.source.contacts.record_forces(self.forces);
+                            self.untangling.renew(&scene, timed);
+                        }
+                    }
+                    ChangeKind::Sew { .. } => {
+                        let seam = scene.model.seam();
+                        contacts.sew(&seam.sewn_pairs(), &seam.sewn_onto_edges());
+                        self.untangling.renew(&scene, timed);
+                    }
                     ChangeKind::Drive { body, velocities } => {
                         let driven = contacts.set_velocities(body, velocities);
                         driven.map_err(BenchError::failed)?;
@@ -163,12 +168,6 @@ impl<'a> Course<'a> {
                     }
                     _ => {}
                 }
-            }
-            if let (ChangeKind::Sew { .. }, Some(timed)) = (&change.kind, &mut self.contacts) {
-                let seam = scene.model.seam();
-                let (pairs, onto_edges) = (seam.sewn_pairs(), seam.sewn_onto_edges());
-                timed.source.contacts.sew(&pairs, &onto_edges);
-                self.untangling.renew(&scene, timed);
             }
             self.changes += 1;
             self.scene = Cow::Owned(scene);

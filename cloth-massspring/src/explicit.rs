@@ -287,11 +287,11 @@ impl Explicit {
             }
             let after = before + change;
             self.velocities[vertex] = after;
-            let velocity = match self.scheme {
-                Scheme::Forward => before,
-                Scheme::Symplectic => after,
-            };
-            self.positions[vertex] += velocity * dt;
+            self.positions[vertex] += dt
+                * match self.scheme {
+                    Scheme::Forward => before,
+                    Scheme::Symplectic => after,
+                };
             if w == 0.0 {
                 // The pin moves against the elastic force.
                 balance.pin_work += gradient.dot(&after) * dt;

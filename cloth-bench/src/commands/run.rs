@@ -14,7 +14,7 @@ use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use clap::Args;
 use cloth_collide::untangle::CrossingPairs;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::step::Stepper;
 use forces::ForcesTable;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -117,10 +117,12 @@ pub struct Arguments {
 fn direction(text: &str) -> Result<Vec3, String> {
     let numbers: Result<Vec<Real>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     let three: Option<[Real; 3]> = numbers.ok().and_then(|all| all.try_into().ok());
-    let direction = three
-        .map(Vec3::from)
-        .filter(|v| v.norm() > 0.0 && v.norm().is_finite());
-    direction.ok_or_else(|| "needs three finite numbers such as 0,1,-0.3, not all zero".into())
+    let direction = three.map(Vec3::from);
+    let direction = direction.filter(|v| is_finite(v) && v.amax() > 0.0);
+    // Neither too long nor too short to be squared.
+    direction
+        .map(|v| v / v.amax())
+        .ok_or_else(|| "needs three finite numbers such as 0,1,-0.3, not all zero".into())
 }
 
 /// More threads than this are a slip of the pen.

@@ -43,13 +43,16 @@ fn seen(look: &str) -> f64 {
 #[test]
 fn a_picture_is_seen_from_where_one_wants() {
     // From above all of it, along it next to nothing.
-    let [above, along] = ["0,0,-1", "0,1,0"].map(seen);
+    let [above, along, long] = ["0,0,-1", "0,1,0", "0,1e200,0"].map(seen);
     assert!(above > 0.5 && along < 0.1, "{above} {along}");
+    assert_eq!(along, long);
     let run = ["run", "drop", "--n", "9", "--method", "pd", "--steps", "1"];
-    let wrong = [&run[..], &["--picture", "look.png", "--look", "0,0"]].concat();
-    refused(
-        &wrong,
-        2,
-        &["--look", "three finite numbers such as 0,1,-0.3"],
-    );
+    for look in ["0,0", "0,0,0", "0,nan,1", "inf,0,0", "up"] {
+        let wrong = [&run[..], &["--picture", "look.png", "--look", look]].concat();
+        refused(
+            &wrong,
+            2,
+            &["--look", "three finite numbers such as 0,1,-0.3"],
+        );
+    }
 }

@@ -97,13 +97,13 @@ fn what_cannot_be_driven_or_released_is_refused() {
         (
             "obstacle = 0",
             "obstacle = 1",
-            "line 13: there are 1 obstacles, from 0 on",
+            "line 13: there is no obstacle 1: there are 1, from 0 on",
         ),
         ("obstacle = 0\n", "", "a drive needs an obstacle"),
         (
             "velocity = [0, 0, 0.2]",
             "density = 100",
-            "it has a mass, and moves as it is pushed",
+            "obstacle 0 has a mass, and moves as it is pushed",
         ),
         (
             "do = \"drive\"\nobstacle = 0\nv",

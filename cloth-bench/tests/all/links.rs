@@ -3,15 +3,29 @@
 use crate::scene_text::{scene, written};
 use cloth_bench::method::{METHODS, Method};
 use cloth_bench::run::{run, to_rest};
-use cloth_bench::scene::file;
+use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
+use cloth_core::particles::State;
 
 /// A ball that hangs from a joint below one that is held, 42 vertices each; %K is the stiffness of the links.
 const HANGING: &str = "[[mesh]]\ngenerator = \"sphere:2\"\nscale = 0.1\n\
     [[mesh]]\ngenerator = \"sphere:2\"\nscale = [0.1, 0.12, 0.2]\ntranslate = [0, 0, -0.2]\npressure = 1000\n\
     bulk_modulus = 1e5\n[[link]]\nmeshes = [0, 1]\nat = [0, 0, -0.1]\nstiffness = %K\n\
     [[pins]]\nbox = [[-0.1, -0.1, -0.06], [0.1, 0.1, 0.06]]\n[cloth]\ndensity = 2\nstiffness = 2000\n";
+
+/// Where a method leaves a scene that has come to rest.
+fn at_rest(scene: &Scene, name: &str) -> State {
+    let method = Method::find(name).unwrap();
+    let settings = match name {
+        "implicit-euler" => Settings::default().with("tolerance", 1e-9),
+        _ => Settings::default(),
+    };
+    let mut solver = method.build(scene, &settings, 0.01).unwrap();
+    let mut state = scene.start.clone();
+    to_rest(scene, &mut *solver, &mut state, 0.01, 4000, 1e-9).unwrap();
+    state
+}
 
 /// At rest the links of a joint carry the weight of what hangs from it.
 #[test]
@@ -26,14 +40,7 @@ fn a_joint_carries_what_hangs_from_it() {
         .collect();
     assert_eq!(springs.len(), 3);
     for (name, bound) in [("implicit-euler", 1e-6), ("pd", 1e-3)] {
-        let method = Method::find(name).unwrap();
-        let settings = match name {
-            "implicit-euler" => Settings::default().with("tolerance", 1e-9),
-            _ => Settings::default(),
-        };
-        let mut solver = method.build(&scene, &settings, 0.01).unwrap();
-        let mut state = scene.start.clone();
-        to_rest(&scene, &mut *solver, &mut state, 0.01, 2000, 1e-9).unwrap();
+        let state = at_rest(&scene, name);
         let force = |spring: &&cloth_core::energy::Spring| {
             let [a, b] = spring.vertices.map(|v| state.positions[v as usize]);
             let length = (a - b).norm();
@@ -165,14 +172,7 @@ fn a_rope_carries_what_hangs_from_it() {
     let scene = scene("hung", ROPE);
     let mass: f64 = scene.model.particles.mass()[9..].iter().sum();
     for (name, bound) in [("implicit-euler", 1e-6), ("pd", 1e-3)] {
-        let method = Method::find(name).unwrap();
-        let settings = match name {
-            "implicit-euler" => Settings::default().with("tolerance", 1e-9),
-            _ => Settings::default(),
-        };
-        let mut solver = method.build(&scene, &settings, 0.01).unwrap();
-        let mut state = scene.start.clone();
-        to_rest(&scene, &mut *solver, &mut state, 0.01, 4000, 1e-9).unwrap();
+        let state = at_rest(&scene, name);
         let stretch = (state.positions[4] - state.positions[13]).norm() - 0.3;
         let expected = mass * 9.81 / 500.0;
         let error = (stretch / expected - 1.0).abs();

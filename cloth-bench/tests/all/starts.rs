@@ -218,11 +218,7 @@ fn a_run_goes_on_from_an_exported_step() {
     let mut state = first.start.clone();
     run::to_rest(&first, &mut *solver, &mut state, 0.01, 4000, 1e-9).unwrap();
     let order = first.order.as_ref().unwrap();
-    let moved: Vec<Vec3> = order
-        .new_of_old()
-        .iter()
-        .map(|&v| state.positions[v as usize])
-        .collect();
+    let moved = order.restore(&state.positions);
     let end = file.with_file_name("start-end.obj");
     obj::write(&end, &moved, mesh.triangles()).unwrap();
     let still = text.replace("move = [0, 0.02, 0]\nduration = 0.05\n", "");

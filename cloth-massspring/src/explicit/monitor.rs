@@ -88,11 +88,10 @@ impl StabilityMonitor {
 
     /// Enters an energy (J) that contact held at the start of the account, where it was above zero.
     pub(super) fn add_stored(&mut self, energy: Real) {
-        self.given += energy.max(0.0);
-        self.most_given = self.most_given.max(self.given);
+        self.add_work(energy.max(0.0));
     }
 
-    /// Enters work (J) that was done on the cloth where a step ends.
+    /// Enters work (J) that was done on the cloth.
     pub(super) fn add_work(&mut self, work: Real) {
         self.given += work;
         self.most_given = self.most_given.max(self.given);
@@ -107,8 +106,7 @@ impl StabilityMonitor {
         contacts: Option<&dyn ContactSource>,
     ) -> Result<(), Failure> {
         if let Some(contacts) = contacts {
-            self.given += contacts.work();
-            self.most_given = self.most_given.max(self.given);
+            self.add_work(contacts.work());
             // Springs may have been stretched.
             self.age = None;
             self.check(
@@ -159,8 +157,7 @@ impl StabilityMonitor {
         balance: &EnergyBalance,
         is_complete: bool,
     ) -> Result<(), Failure> {
-        self.given += balance.work + balance.pin_work;
-        self.most_given = self.most_given.max(self.given);
+        self.add_work(balance.work + balance.pin_work);
         self.age = self.age.map(|age| age + 1);
         if balance.kinetic > GROWTH * self.kinetic {
             self.kinetic = balance.kinetic;

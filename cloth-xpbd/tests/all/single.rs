@@ -5,10 +5,11 @@ use crate::sheet;
 
 use cloth_core::air::{Air, AirConfig};
 use cloth_core::cloth::ClothModel;
-use cloth_core::energy::{Attachment, Spring, StvkTriangle};
+use cloth_core::energy::{Attachment, SoftPin, Spring, StvkTriangle};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{angular_momentum, linear_momentum};
 use cloth_core::particles::{Particles, State};
+use cloth_core::pin::PinMotion;
 use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
 use cloth_xpbd::single::{SingleConfig, SingleXpbd};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
@@ -224,6 +225,10 @@ fn what_it_cannot_take_is_refused_by_name() {
         matches!(error, BuildError::SettingsConflict { .. }),
         "{error}"
     );
+    let pin = SoftPin::new(0, 1.0, x[0], PinMotion::NONE, 0.0);
+    let error = builder().vector_rows(&[pin]).build().unwrap_err();
+    let words = "elements whose rest data do not change with time";
+    assert!(error.to_string().contains(words), "{error}");
     let far = Spring {
         vertices: [0, 9],
         rest_length: 1.0,

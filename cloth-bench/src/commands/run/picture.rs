@@ -5,7 +5,7 @@ use crate::error::BenchError;
 use crate::report::render::{Surface, View, render};
 use crate::scene::Scene;
 use cloth_core::cloth::Elements;
-use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::math::{Mat3, Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 
@@ -49,13 +49,16 @@ fn links(scene: &Scene, x: &[Vec3]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let [low, high] = bounds(x.iter().copied());
     let radius = LINK * (high - low).norm();
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    let ends = scene.model.others.iter().flat_map(|family| match family {
-        Elements::Links(links) => links.iter().map(|link| link.vertices).collect(),
-        Elements::SlackLinks(links) => links.iter().map(|link| link.vertices).collect(),
-        _ => Vec::new(),
-    });
+    let mut ends: Vec<[u32; 2]> = Vec::new();
+    for family in &scene.model.others {
+        match family {
+            Elements::Links(links) => ends.extend(links.iter().map(|link| link.vertices)),
+            Elements::SlackLinks(links) => ends.extend(links.iter().map(|link| link.vertices)),
+            _ => {}
+        }
+    }
     for ends in ends {
-        let [a, b] = ends.map(|v| x[v as usize]);
+        let [a, b] = gather(x, ends);
         let Some(along) = (b - a).try_normalize(0.0) else {
             continue;
         };

@@ -59,9 +59,11 @@ pub(super) fn changes(
             own.line.refuse_given("but for a tear")?;
         }
         if deed != Deed::Drive {
-            let keys = [own.obstacle.bare(), own.velocity.bare()];
-            let mut keys = keys.into_iter().chain([own.angular_velocity.bare()]);
-            keys.try_for_each(|key| key.refuse_given("but for a drive"))?;
+            let velocities = [own.velocity.bare(), own.angular_velocity.bare()];
+            own.obstacle.refuse_given("but for a drive")?;
+            for key in velocities {
+                key.refuse_given("but for a drive")?;
+            }
         }
         if !matches!(deed, Deed::Tear | Deed::Drive) {
             events.push((time, deed, section, vertices));
@@ -117,23 +119,29 @@ pub(super) fn of_bodies(
         }
         refuse_motion(section, "for a drive")?;
         let chosen = section.read::<Selection>()?;
-        let keys = [chosen.select.bare(), chosen.vertices.bare()];
-        let mut keys = keys.into_iter().chain([chosen.corners.bare()]);
-        keys.try_for_each(|key| key.refuse_given("for a drive"))?;
+        for key in [
+            chosen.select.bare(),
+            chosen.vertices.bare(),
+            chosen.corners.bare(),
+        ] {
+            key.refuse_given("for a drive")?;
+        }
         let number = (*own.obstacle)
             .ok_or_else(|| section.refuse_table("a drive needs an obstacle"))?
             as usize;
         let wrong = |why: String| Err(own.obstacle.refuse(why));
         if number >= obstacles.len() {
             return wrong(format!(
-                "there are {} obstacles, from 0 on",
+                "there is no obstacle {number}: there are {}, from 0 on",
                 obstacles.len()
             ));
         }
         let body = match touch.rigid_body(number) {
-            None => return wrong("its files say how it moves".into()),
+            None => return wrong(format!("the files of obstacle {number} say how it moves")),
             Some(body) if touch.is_free(body) => {
-                return wrong("it has a mass, and moves as it is pushed".into());
+                return wrong(format!(
+                    "obstacle {number} has a mass, and moves as it is pushed"
+                ));
             }
             Some(body) => body,
         };

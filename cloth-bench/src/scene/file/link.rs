@@ -68,7 +68,7 @@ pub(super) fn links(
 
 /// The links where vertices are in another order.
 pub(super) fn reorder(links: &mut [Elements], order: &Order) {
-    let moved = |ends: [u32; 2]| ends.map(|v| order.new_of_old()[v as usize]);
+    let moved = |ends: [u32; 2]| order.renumber(ends);
     for family in links {
         match family {
             Elements::Links(all) => all.iter_mut().for_each(|s| s.vertices = moved(s.vertices)),

@@ -18,21 +18,17 @@ pub(super) fn positions(
     order: Option<&Order>,
 ) -> Result<Vec<Vec3>, BenchError> {
     let own = section.read::<Start>()?;
-    let mut positions = mesh.positions().to_vec();
     let Some(file) = own.positions.as_deref() else {
-        return Ok(positions);
+        return Ok(mesh.positions().to_vec());
     };
     let given = io::read(&folder.join(file)).map_err(|error| own.positions.refuse(error))?;
-    let (found, wanted) = (given.vertex_count(), positions.len());
+    let (found, wanted) = (given.vertex_count(), mesh.vertex_count());
     if found != wanted {
         let message = format!("{file} has {found} vertices, but the meshes have {wanted}");
         return Err(own.positions.refuse(message));
     }
-    for (v, x) in given.positions().iter().enumerate() {
-        let place = order.map_or(v, |order| order.new_of_old()[v] as usize);
-        positions[place] = *x;
-    }
-    Ok(positions)
+    let given = given.positions();
+    Ok(order.map_or_else(|| given.to_vec(), |order| order.apply(given)))
 }
 
 pub(super) fn apply(section: &Section<'_>, scene: &mut Scene) -> Result<(), BenchError> {
