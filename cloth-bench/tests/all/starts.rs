@@ -8,6 +8,7 @@ use cloth_bench::run::{self, from_start};
 use cloth_bench::scene::file;
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
+use cloth_core::mesh::ply::{self, Encoding};
 use cloth_core::mesh::{generate, obj};
 
 /// What is said of a start, if it is refused.
@@ -246,4 +247,33 @@ fn a_run_goes_on_from_an_exported_step() {
         error.to_string().contains("vertices, but the meshes have"),
         "{error}"
     );
+}
+
+/// Vertices inside a solid are in no triangle of its surface, and are read all the same.
+#[test]
+fn the_exported_step_of_a_solid_is_a_start() {
+    let text = "[[mesh]]\ngenerator = \"ball:3\"\n[mesh.solid]\ndensity = 300\nmodulus = 1e4\npoisson = 0.3\n\
+                [start]\n";
+    let first = scene(
+        "start-solid-first",
+        &format!("{text}velocity = [0, 0, 1]\n"),
+    );
+    let method = Method::find("implicit-euler").unwrap();
+    let ran = from_start(&first, method, &Settings::default(), 0.01, 3, |_, _, _| {
+        Ok(())
+    });
+    let end = ran.unwrap().1.positions;
+    let mesh = first.mesh.as_ref().unwrap();
+    for ending in ["obj", "ply"] {
+        let file = written("start-solid-end", "").with_extension(ending);
+        match ending {
+            "obj" => obj::write(&file, &end, mesh.triangles()).unwrap(),
+            _ => ply::write(&file, &end, mesh.triangles(), Encoding::Ascii).unwrap(),
+        }
+        let second = scene(
+            "start-solid-second",
+            &format!("{text}positions = {file:?}\n"),
+        );
+        assert_eq!(second.start.positions, end, "{ending}");
+    }
 }

@@ -6,6 +6,18 @@ use super::ply::PlyProblem;
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
+/// What `parse` makes of the bytes of a file; its errors name the file.
+pub(super) fn read<T>(
+    path: &Path,
+    parse: impl FnOnce(&[u8]) -> Result<T, MeshFileError>,
+) -> Result<T, MeshFileError> {
+    let parsed = match std::fs::read(path) {
+        Ok(bytes) => parse(&bytes),
+        Err(error) => Err(MeshFileError::new(None, MeshFileProblem::Unreadable(error))),
+    };
+    parsed.map_err(|error| error.in_file(path))
+}
+
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {

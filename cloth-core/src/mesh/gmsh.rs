@@ -7,7 +7,7 @@
 //! C. Geuzaine, J.-F. Remacle, "Gmsh: a 3-D finite element mesh generator", 2009, <https://doi.org/10.1002/nme.2579>;
 //! the format stands in Gmsh's manual.
 
-use super::file_error::{MeshFileError, MeshFileProblem, Place};
+use super::file_error::{self, MeshFileError, MeshFileProblem, Place};
 use super::{MeshError, TetMesh, used};
 use crate::math::{Real, Vec3};
 use std::collections::HashMap;
@@ -23,11 +23,7 @@ const TETRAHEDRON: u64 = 4;
 /// # Errors
 /// [`MeshFileError`] with the path if the file cannot be read, with path and line if it can be read and is wrong.
 pub fn read(path: &Path) -> Result<TetMesh, MeshFileError> {
-    let parsed = match std::fs::read(path) {
-        Ok(bytes) => parse(&String::from_utf8_lossy(&bytes)),
-        Err(error) => Err(MeshFileError::new(None, MeshFileProblem::Unreadable(error))),
-    };
-    parsed.map_err(|error| error.in_file(path))
+    file_error::read(path, |bytes| parse(&String::from_utf8_lossy(bytes)))
 }
 
 /// Reads a solid (positions in m) from the text of a file.

@@ -20,9 +20,9 @@ mod statement;
 
 pub use error::ObjProblem;
 
-use super::file_error::{MeshFileError, MeshFileProblem, Place};
+use super::file_error::{self, MeshFileError, MeshFileProblem, Place};
 use super::{MeshError, TriMesh, fan};
-use crate::math::Vec3;
+use crate::math::{Vec3, is_finite};
 use crate::topology::EdgeTable;
 use statement::{corner, position, statements};
 use std::fmt::Write as _;
@@ -36,11 +36,22 @@ use std::path::Path;
 /// [`MeshFileError`] with the path if the file cannot be read or is empty, with path and line if it
 /// can be read and is wrong.
 pub fn read(path: &Path) -> Result<TriMesh, MeshFileError> {
-    let parsed = match std::fs::read(path) {
-        Ok(bytes) => parse(&String::from_utf8_lossy(&bytes)),
-        Err(error) => Err(MeshFileError::new(None, MeshFileProblem::Unreadable(error))),
-    };
-    parsed.map_err(|error| error.in_file(path))
+    file_error::read(path, |bytes| parse(&String::from_utf8_lossy(bytes)))
+}
+
+/// Reads the vertices (m) of a file alone, whatever mesh its faces make: a state of a mesh that is known already.
+///
+/// # Errors
+/// [`MeshFileError`] with the path if the file cannot be read, with path and line if a statement cannot be understood
+/// or a coordinate is not finite.
+pub fn read_vertices(path: &Path) -> Result<Vec<Vec3>, MeshFileError> {
+    file_error::read(path, |bytes| {
+        let source = Source::scan(&String::from_utf8_lossy(bytes))?;
+        match source.positions.iter().position(|x| !is_finite(x)) {
+            Some(vertex) => Err(source.lines.blame(MeshError::NonFinitePosition { vertex })),
+            None => Ok(source.positions),
+        }
+    })
 }
 
 /// Reads a mesh (positions in m) from the text of a file.

@@ -19,7 +19,7 @@ mod values;
 
 pub use error::PlyProblem;
 
-use super::file_error::{MeshFileError, MeshFileProblem, Place};
+use super::file_error::{self, MeshFileError, MeshFileProblem, Place};
 use super::{MeshError, TriMesh, fan};
 use crate::math::Vec3;
 use crate::topology::EdgeTable;
@@ -58,11 +58,16 @@ impl Encoding {
 /// [`MeshFileError`] with the path if the file cannot be read, with path and place if it can be read
 /// and is wrong.
 pub fn read(path: &Path) -> Result<TriMesh, MeshFileError> {
-    let parsed = match std::fs::read(path) {
-        Ok(bytes) => parse(&bytes),
-        Err(error) => Err(MeshFileError::new(None, MeshFileProblem::Unreadable(error))),
-    };
-    parsed.map_err(|error| error.in_file(path))
+    file_error::read(path, parse)
+}
+
+/// Reads the vertices (m) of a file alone, whatever mesh its faces make: a state of a mesh that is known already.
+///
+/// # Errors
+/// [`MeshFileError`] with the path if the file cannot be read, with path and place if its header or a value cannot be
+/// understood, or a coordinate is not finite.
+pub fn read_vertices(path: &Path) -> Result<Vec<Vec3>, MeshFileError> {
+    file_error::read(path, |bytes| Ok(Source::scan(bytes)?.positions))
 }
 
 /// Reads a mesh (positions in m) from the bytes of a file.
@@ -72,56 +77,7 @@ pub fn read(path: &Path) -> Result<TriMesh, MeshFileError> {
 /// or a value that cannot be understood, then whatever [`TriMesh::new`] refuses, then an edge with
 /// more than two faces.
 pub fn parse(bytes: &[u8]) -> Result<TriMesh, MeshFileError> {
-    let header = Header::parse(bytes)?;
-    let missing = |what| MeshFileError::new(None, PlyProblem::Missing { what });
-    let element = |name: &str| header.elements.iter().find(|e| e.name == name);
-    let vertices = element("vertex").ok_or_else(|| missing("element \"vertex\""))?;
-    let faces = element("face").ok_or_else(|| missing("element \"face\""))?;
-    let column = |element: &Element, suits: &dyn Fn(&Property) -> bool| {
-        element.properties.iter().position(suits)
-    };
-    let mut axes = [0; 3];
-    for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
-        let found = column(vertices, &|p| p.name == name && p.length.is_none());
-        *axis = found.ok_or_else(|| missing("property \"x\", \"y\" and \"z\" of the vertices"))?;
-    }
-    let corners = column(faces, &|p| {
-        let named = matches!(&p.name[..], "vertex_indices" | "vertex_index");
-        named && p.length.is_some() && p.kind.is_integer()
-    });
-    let corners =
-        corners.ok_or_else(|| missing("list of whole numbers \"vertex_indices\" of the faces"))?;
-
-    let mut values = Values::new(bytes, header.encoding, header.body);
-    let mut source = Source {
-        vertex_count: vertices.count,
-        ..Source::default()
-    };
-    let mut kept = Vec::new();
-    for element in &header.elements {
-        let wanted: &[usize] = match &element.name[..] {
-            "vertex" => &axes,
-            "face" => &[corners],
-            _ => &[],
-        };
-        // Rows without columns take no room in the file, so there may be any number of them.
-        let rows = if element.properties.is_empty() {
-            0
-        } else {
-            element.count
-        };
-        for index in 0..rows {
-            let place = values.row(element, index)?;
-            read_row(&mut values, element, index, wanted, &mut kept)?;
-            match &element.name[..] {
-                "vertex" => source.add_vertex(place, &kept, axes)?,
-                "face" => source.add_face(place, &kept)?,
-                _ => {}
-            }
-        }
-    }
-    values.end()?;
-    source.finish()
+    Source::scan(bytes)?.finish()
 }
 
 /// Reads one row and keeps the values of the wanted columns with their numbers.
@@ -167,6 +123,60 @@ struct Source {
 }
 
 impl Source {
+    fn scan(bytes: &[u8]) -> Result<Self, MeshFileError> {
+        let header = Header::parse(bytes)?;
+        let missing = |what| MeshFileError::new(None, PlyProblem::Missing { what });
+        let element = |name: &str| header.elements.iter().find(|e| e.name == name);
+        let vertices = element("vertex").ok_or_else(|| missing("element \"vertex\""))?;
+        let faces = element("face").ok_or_else(|| missing("element \"face\""))?;
+        let column = |element: &Element, suits: &dyn Fn(&Property) -> bool| {
+            element.properties.iter().position(suits)
+        };
+        let mut axes = [0; 3];
+        for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
+            let found = column(vertices, &|p| p.name == name && p.length.is_none());
+            *axis =
+                found.ok_or_else(|| missing("property \"x\", \"y\" and \"z\" of the vertices"))?;
+        }
+        let corners = column(faces, &|p| {
+            let named = matches!(&p.name[..], "vertex_indices" | "vertex_index");
+            named && p.length.is_some() && p.kind.is_integer()
+        });
+        let corners = corners
+            .ok_or_else(|| missing("list of whole numbers \"vertex_indices\" of the faces"))?;
+
+        let mut values = Values::new(bytes, header.encoding, header.body);
+        let mut source = Source {
+            vertex_count: vertices.count,
+            ..Source::default()
+        };
+        let mut kept = Vec::new();
+        for element in &header.elements {
+            let wanted: &[usize] = match &element.name[..] {
+                "vertex" => &axes,
+                "face" => &[corners],
+                _ => &[],
+            };
+            // Rows without columns take no room in the file, so there may be any number of them.
+            let rows = if element.properties.is_empty() {
+                0
+            } else {
+                element.count
+            };
+            for index in 0..rows {
+                let place = values.row(element, index)?;
+                read_row(&mut values, element, index, wanted, &mut kept)?;
+                match &element.name[..] {
+                    "vertex" => source.add_vertex(place, &kept, axes)?,
+                    "face" => source.add_face(place, &kept)?,
+                    _ => {}
+                }
+            }
+        }
+        values.end()?;
+        Ok(source)
+    }
+
     fn add_vertex(
         &mut self,
         place: Place,

@@ -431,3 +431,29 @@ fn more_vectors_are_columns_that_a_reader_of_meshes_skips() {
         assert_eq!(read.triangles(), [[0, 1, 2]]);
     }
 }
+
+/// Of a state only the vertices matter: what makes no mesh does not keep them from being read.
+#[test]
+fn vertices_are_read_whatever_the_faces_are() {
+    let flat = [Vec3::zeros(), Vec3::x(), Vec3::x() * 2.0, Vec3::y()];
+    for ending in ["obj", "ply"] {
+        let path = temporary(&format!("vertices.{ending}"));
+        // No area, and a vertex without a face.
+        let write = |x: &[Vec3]| match ending {
+            "obj" => obj::write(&path, x, &[[0, 1, 2]]).unwrap(),
+            _ => ply::write(&path, x, &[[0, 1, 2]], Encoding::Ascii).unwrap(),
+        };
+        write(&flat);
+        assert!(io::read(&path).is_err(), "{ending}");
+        assert_eq!(io::read_vertices(&path).unwrap(), flat, "{ending}");
+        write(&[flat[0], flat[1], Vec3::new(0.0, f64::NAN, 0.0)]);
+        let error = io::read_vertices(&path).unwrap_err();
+        assert!(
+            matches!(error.problem(), MeshFileProblem::NotFinite) && error.place().is_some(),
+            "{error}"
+        );
+        std::fs::remove_file(&path).unwrap();
+        let gone = io::read_vertices(&path).unwrap_err();
+        assert_eq!(gone.path(), Some(path.as_path()));
+    }
+}

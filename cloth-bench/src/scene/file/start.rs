@@ -21,14 +21,14 @@ pub(super) fn positions(
     let Some(file) = own.positions.as_deref() else {
         return Ok(mesh.positions().to_vec());
     };
-    let given = io::read(&folder.join(file)).map_err(|error| own.positions.refuse(error))?;
-    let (found, wanted) = (given.vertex_count(), mesh.vertex_count());
+    let given =
+        io::read_vertices(&folder.join(file)).map_err(|error| own.positions.refuse(error))?;
+    let (found, wanted) = (given.len(), mesh.vertex_count());
     if found != wanted {
         let message = format!("{file} has {found} vertices, but the meshes have {wanted}");
         return Err(own.positions.refuse(message));
     }
-    let given = given.positions();
-    Ok(order.map_or_else(|| given.to_vec(), |order| order.apply(given)))
+    Ok(order.map_or_else(|| given.clone(), |order| order.apply(&given)))
 }
 
 pub(super) fn apply(section: &Section<'_>, scene: &mut Scene) -> Result<(), BenchError> {

@@ -103,6 +103,16 @@ fn polygon(turns: usize, friction: Real) -> Real {
     corner(half).powi(turns as i32 - 1) * corner(0.5 * half).powi(2)
 }
 
+/// That of the polygon half-way around, by the coefficient of friction.
+pub(super) fn polygon_half_around(friction: Real) -> Real {
+    polygon(TURNS, friction)
+}
+
+/// The same by the angle (°) with the coefficient of friction of the other laws.
+pub(super) fn polygon_around(degrees: Real) -> Real {
+    polygon(turns_of(degrees), MU)
+}
+
 /// e^{μθ} half-way around, θ = π.
 pub(super) fn capstan(friction: Real) -> Real {
     (friction * PI).exp()

@@ -58,12 +58,32 @@ pub fn meet(name: &str, speed: Real) -> Result<Met, BenchError> {
     })
 }
 
+/// Speeds (m/s), in the quick scope and in the full one.
+const SPEEDS: [&[Real]; 2] = [&[1.0], &[0.05, 0.1, 0.2, 0.5, 1.0, 2.0]];
+
 /// Two sheets that meet in free flight, by every method.
 pub(super) fn run(study: &mut StudyRun<'_>) {
+    let speeds = study.scope.of(SPEEDS);
     let rows = study.grid_side_by_side(
-        iproduct!(methods(), [0.1, 1.0]),
+        iproduct!(methods(), speeds.iter().copied()),
         |(method, speed)| format!("sheets that meet with {speed} m/s by {method}"),
         |&(method, speed)| meet(method, speed),
+    );
+    let parting = curves(&rows, |((method, speed), met)| {
+        (*method, (*speed, met.parting.0 / speed))
+    });
+    let plot = Plot::new(
+        "How fast two sheets part that have met in free flight",
+        Axis::log("relative speed before (m/s)"),
+        Axis::linear("relative velocity after, over that (dimensionless)"),
+    );
+    let bounds = [("elastic", 1.0), ("inelastic", 0.0)].map(|(label, e)| {
+        let curve = speeds.iter().map(|&speed| (speed, e));
+        Series::new(label, curve.collect())
+    });
+    study.plot(
+        "contact-meeting",
+        &plot.points(parting).exact_curves(bounds),
     );
     study.table(
         "contact-meeting",
