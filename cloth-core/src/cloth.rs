@@ -86,9 +86,10 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Membrane {
     /// The same spring stiffness k (N/m) on every edge. What modulus that makes depends on the pattern of the mesh, and
-    /// a little on its size: the boundary, which stands for half a cell, has the whole k too. A sheet of n cells across
-    /// the pull is stiffer by about k/n, 3/(4n) of its modulus `4k/3` on the alternating grid. [`Membrane::Modulus`]
-    /// has no such part.
+    /// a little on its size: the boundary, which stands for half a cell, has the whole k too. On the alternating grid
+    /// of modulus `4k/3` the two boundaries along the pull, n cells apart, add k/n, which is 3/(4n) of it. As many
+    /// cells apart, the two boundaries across the pull resist the narrowing, and where the strain is uniform they add
+    /// k/(9n): 5/(6n) in all. [`Membrane::Modulus`] has no such part.
     SpringStiffness(Real),
     /// Membrane modulus Y (N/m): Young's modulus times thickness.
     ///

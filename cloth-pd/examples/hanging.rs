@@ -77,7 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{count:10}  {:.3e}  {:.3e}", left(&runs[0]), left(&runs[1]));
     }
 
-    // Many steps with a few iterations each.
+    // Many steps of the default, each of ten to 300 iterations.
     let mut state = start.clone();
     let mut solver = build(&model, &start, PdConfig::default())?;
     let (mut factorizations, mut iterations) = (0, 0);

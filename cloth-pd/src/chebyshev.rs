@@ -7,6 +7,17 @@
 //!
 //! which tends to 2/(1 + √(1 − ρ²)) (no under-relaxation: γ = 1 in the paper).
 //!
+//! *Why these weights.* Near a minimum a plain iteration multiplies the error of a mode by its μ. A combination of n
+//! plain iterates, with coefficients that add up to 1, leaves P(μ) of it, P a polynomial of degree n with P(1) = 1. The
+//! smallest over |μ| ≤ ρ is `Pₙ = Tₙ(μ/ρ)/Tₙ(1/ρ)`, Tₙ Chebyshev's. By their recurrence
+//! `Tₙ₊₁(y) = 2 y Tₙ(y) − Tₙ₋₁(y)`, at y = μ/ρ and at 1/ρ, `Pₙ₊₁ = Pₙ₋₁ + ωₙ₊₁ (μ Pₙ − Pₙ₋₁)` with
+//! `ωₙ₊₁ = 2 Tₙ(1/ρ)/(ρ Tₙ₊₁(1/ρ))`: the iteration above. So ω₂ = 2/(2 − ρ²), and `1/ωₙ₊₁ = 1 − ρ² ωₙ/4`. P₀ and P₁ are
+//! the last two iterates of the delay.
+//!
+//! The μ here lie in [0, ρ], half of that range. Plain increments times γ = 2/(2 − ρ) would have the factors 1 − γ (1 −
+//! μ), which go from −ρ' to ρ' = ρ/(2 − ρ), and where ρ is near 1 the iterations to a digit would be fewer by √2. That
+//! is not done.
+//!
 //! *Which ρ.* Near a minimum with a positive definite Hessian 0 < A⁻¹∇²G ≤ 1, so a plain iteration multiplies the error
 //! in each mode by a μ in [0, 1), and the accelerated one by the roots t of t² − ω μ t + ω − 1 = 0. Those are below 1
 //! in size for every μ < 1 and ω < 2: no ρ < 1 diverges there. Modes with μ ≤ ρ keep √(ω − 1) = (1 − √(1 − ρ²))/ρ, for

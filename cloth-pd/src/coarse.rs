@@ -10,9 +10,12 @@
 //! `A⁻¹ + P V Pᵀ`,  V near `(Pᵀ H P)⁻¹`,  `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z)₊ S`
 //!
 //! is the constant matrix for what stretches springs and Newton's method for what is smooth. What is both, smooth
-//! stretching, is corrected up to twice ([crate page][1]): the parts are added, not applied one after the other, as
-//! that would take a further product with H. What is neither, short waves across the cloth, both leave: A keeps more of
-//! a wave the shorter it is ([crate page][1]), and the hats do not have it.
+//! stretching, is corrected up to twice, as the parts are added, not applied one after the other, which would take a
+//! further product with H: clamped, I − ∂p/∂z lies between 0 and the I that A has, so 0 < H ≤ A. With an exact coarse
+//! solve A⁻¹H and P V PᵀH then have eigenvalues from 0 to 1, their sum up to 2, and a step of length 1 may turn such an
+//! error round. Pairs and line search mend that. What is neither, short waves across the cloth, both leave: A keeps
+//! more of a wave the shorter it is ([crate page][1]), and the hats do not have it. Waves of shear that the hats do not
+//! have, long beside the springs all the same, A reduces by a quarter an iteration.
 //!
 //! V is a cycle of [`Multigrid`] on the lattice and the levels below it. The first part is symmetric and positive
 //! definite, the second symmetric and positive semi-definite (it vanishes on the r with Pᵀr = 0), so the sum is

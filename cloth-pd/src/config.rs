@@ -22,9 +22,10 @@ pub struct PdConfig {
     pub most_iterations: u32,
     /// A step with `iterations: None` and without a `tolerance` ends, as
     /// [`Converged`](cloth_core::step::Outcome::Converged), once `√(∇Gᵀ B ∇G) ≤ ε ‖x − x̃‖_M/Δt`, B the inverse Hessian
-    /// that the method has: the Newton decrement, as a speed, over the change of velocity that the forces have made. As
-    /// one iteration can make it small, the last five must have lowered `G` by no more than `5 (ε ‖x − x̃‖_M/Δt)²`
-    /// besides, so there are at least six. With τ this number (dimensionless, at least 0):
+    /// that the method has: the Newton decrement, as a speed, over the change of velocity by elastic and contact forces
+    /// (x̃ has gravity, the load, and the air at the start of the step). As one iteration can make it small, the last
+    /// five must have lowered `G` by no more than `5 (ε ‖x − x̃‖_M/Δt)²` besides, so there are at least six. With τ
+    /// this number (dimensionless, at least 0):
     ///
     /// | moving pins, pushed bodies, forces in contact | active contacts | ε | iterations, at least |
     /// |---|---|---|---|
@@ -50,7 +51,8 @@ pub struct PdConfig {
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ
     /// dimensionless; C is the potential of contact, if there is any), and the report has that ratio as its residual.
     /// `None`: nothing is computed for it. For reference solutions, not for speed: τ = 10⁻⁶ takes 776 iterations at 60
-    /// vertices a side and 10⁴ N/m. Raise `most_iterations` with it: the step ends there if τ is not met.
+    /// vertices a side and 10⁴ N/m, with a coarse grid of 10 cells (`tests/chapter/minimum.rs`). Raise
+    /// `most_iterations` with it: the step ends there if τ is not met.
     pub tolerance: Option<Real>,
     /// Where the iteration starts.
     pub start: StartGuess,
@@ -94,9 +96,10 @@ pub enum Acceleration {
     /// Extrapolated iterates cannot be bounded by contact: a step with contact is one of plain iterations, and counts
     /// among [`chebyshev_fallbacks`](cloth_core::step::StepReport::chebyshev_fallbacks).
     Chebyshev {
-        /// Largest factor ρ (dimensionless, at least 0, below 1) by which the plain iteration keeps an error. `None`:
-        /// read off the plain iterations that every step then starts with. That is too small, as the first iterations
-        /// contract fast; for stiff cloth give more, as the 0.9995 of the [table](crate#iterations).
+        /// Largest factor ρ (dimensionless, at least 0, below 1) by which the plain iteration keeps an error that
+        /// counts: less than its spectral radius, where the slowest waves hold little error. `None`: read off the plain
+        /// iterations that every step then starts with. That is too small, as the first iterations contract fast; for
+        /// stiff cloth give more, as the 0.9995 of the [table](crate#iterations).
         spectral_radius: Option<Real>,
     },
     /// Quasi-Newton (Liu, Bouaziz, Kavan 2017): L-BFGS with the inverse of the constant matrix (without the bending of

@@ -18,9 +18,17 @@
 //!
 //! *Factor against solve.* A solve does 12 operations a number (a product and a sum, forward and backward, for x, y and
 //! z) on 16 bytes that it reads. A factorisation does a product and a sum for each pair of numbers in a column, on one
-//! thread. With c numbers a row it takes (3 + 0.13 c)/0.85 solves: 9 with springs (c = 33) and 16 with hinges (c = 79)
-//! at 128 a side. The three constants are measured ([`cost`]): ns a number and ns a product of a factorisation, ns a
-//! number of a solve. In the limit this grows as √n/log n.
+//! thread. It is taken for (3 + 0.13 c)/0.85 solves, c the mean of numbers a row: 9 with springs (c = 33) and 16 with
+//! hinges (c = 79) at 128 a side. Then a change of rank r above 24, or 45, is factorised at once: r/3 solves and r³ ns
+//! would cost more. The three constants are measured ([`cost`]): ns a number and ns a product of a factorisation, ns a
+//! number of a solve. The last is that of a large sheet. By the times in `panel.rs` (springs alone, one thread) it is
+//! 0.9 at 256 vertices a side, but 0.5 at 128 and 0.4 at 64: there a correction is overrated, and the matrix factorised
+//! too early.
+//!
+//! A factorisation does products in proportion to Σ cⱼ² over the columns j, a solve to Σ cⱼ. The estimate has n c² in
+//! the place of the first, with the mean c, which is less (Cauchy–Schwarz): the few long columns of the separators have
+//! most products. By the law above a factorisation costs Σ cⱼ²/Σ cⱼ solves, in the limit √n/log n, while the estimate
+//! grows as c, so as log n. It underestimates the factorisation of large sheets, which is then made too early as well.
 //!
 //! *Memory.* The factor is kept twice, as the library makes it and in the order of [`PanelFactor`]: 16 bytes a number.
 //! By the law above a sheet of 1024 vertices a side has 47 numbers a row, or 112: 0.8 or 1.9 GB. Its indices are 32
@@ -194,7 +202,7 @@ impl GlobalSystem {
     /// Estimated work (ns) of a factorisation.
     fn factorization_cost(&self) -> Real {
         let entries = self.cholesky.factor_len() as Real;
-        // A column of the factor of a sheet has some tens of rows; their mean stands for all.
+        // The mean number of rows stands for all columns: too little where a few long ones have most products.
         let rows = entries / self.mass.len() as Real;
         entries * (cost::FACTOR_ENTRY + cost::FACTOR_PRODUCT * rows)
     }

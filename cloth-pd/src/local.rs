@@ -4,6 +4,13 @@
 //! *A spring, a curved hinge.* p = r z/‖z‖. At z = 0 every point of the sphere is as near; p is then r times a unit
 //! vector that the numbers of two vertices give ([`length_and_direction`](cloth_core::math::length_and_direction)).
 //!
+//! *A hinge* has the q and w of the [crate page](crate#idea). What each triangle adds to Σ qᵢ xᵢ is a vector of length
+//! e, that of the edge, at right angles to it, from the tip to the edge; in a flat hinge the two cancel, and with a
+//! fold θ 2 e sin(θ/2) is left. Of the areas A₀ and A₁ of its triangles a third is the edge's, `a = (A₀ + A₁)/3`: e θ/a
+//! is a curvature, and `½ (D/3) (e θ/a)² a = ½ D (e θ)²/(A₀ + A₁)` gives w, with D/3 so that a cylinder of equilateral
+//! triangles stores ½ D κ² per area ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge) has each step, after Bergou
+//! et al. 2006, whose K₀ is q).
+//!
 //! *Nearest to F = U Σ Vᵀ* is p = U clamp(Σ) Vᵀ: ‖F − p‖² = ‖F‖² − 2 F:p + ‖p‖², and F:p ≤ Σ σᵢ(F) σᵢ(p) (von Neumann),
 //! with equality for p with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F of
 //! a triangle is 3 × 2, so there are no reflections to exclude: what is turned over in space is a rotation.
@@ -41,7 +48,10 @@
 //! the ridge the energy is continuous and any of the nearest p bounds it, so the iteration descends from there too.
 //! With a lower limit of 0 the set is convex, and p continuous everywhere.
 //!
-//! *The Hessian* of an element is `w Sᵀ (I − ∂p/∂z) S`. ∂p/∂z is symmetric, and in closed form
+//! *The Hessian* of an element is `w Sᵀ (I − ∂p/∂z) S`, in which ∂p/∂z has no negative eigenvalue. Proof:
+//! `½ ‖z − p‖² = ½ ‖z‖² − (p·z − ½ ‖p‖²)`, so the nearest p is the one in the set for which `p·z − ½ ‖p‖²` is largest.
+//! For a fixed p that is linear in z, and the largest of linear functions is convex: call it φ(z). Its gradient is the
+//! p that makes it largest, so ∂p/∂z = ∇²φ, the Hessian of a convex function. In closed form
 //! ([`Projective::projected_hessian`] of each element):
 //!
 //! | set | eigenvalues of I − ∂p/∂z |
@@ -133,7 +143,8 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
-    /// Leaves out the elements that have no weight, and sorts the others for the sums.
+    /// Leaves out the elements that have no weight, and sorts the others for the sums. Of an element vertices and
+    /// weight are checked, and nothing else: not the sign of a rest length, for instance.
     pub(crate) fn new(elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
         check_vertices(&elements, particles.len())?;
         for element in &elements {
@@ -325,8 +336,8 @@ impl LocalStep {
     }
 
     /// Adds the gradient `Σ w Sᵀ(S x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns
-    /// the energy `½ Σ w ‖S x − p‖²` (J). Elements whose projection is constant add nothing: the solver sums them as
-    /// one matrix (`quadratic.rs`).
+    /// the energy `½ Σ w ‖S x − p‖²` (J). Elements whose `PROJECTION_IS_CONSTANT` is set add nothing and return 0,
+    /// since the solver sums them as one matrix (`quadratic.rs`): check those with the flag off.
     ///
     /// # Panics
     /// If a vertex of an element has no position or no entry in `out`.

@@ -12,8 +12,8 @@
 //!
 //! | | why | instead |
 //! |---|---|---|
-//! | bending left out of A (quasi-Newton) | A is not the Hessian of Q | line search |
-//! | drag of the air (quasi-Newton) | A lacks D/Δt | line search |
+//! | bending left out of A (quasi-Newton) | A is not the Hessian of Q | line search, as far as it goes (below) |
+//! | drag of the air (quasi-Newton) | A lacks D/Δt | line search, as far as it goes |
 //! | pairs, coarse grid | the direction is not −A⁻¹g | line search |
 //! | extrapolation (Chebyshev) | x⁺ is not the minimum of Q | `G` is compared |
 //! | contact, friction | C is no squared distance, and stiffens without bound as a gap closes | a direction from `H + Σ k J Jᵀ` (`newton.rs`) or `A + Σ k J Jᵀ` (`contact.rs`), line search |
@@ -21,7 +21,11 @@
 //! | another energy, such as neo-Hookean | its Hessian may exceed A | not taken |
 //! | rounding of `G` | two values agree to 10⁻¹² of their size | the slope decides (`quasi_newton.rs`) |
 //!
-//! All numbers are double precision. The rounding of a solve changes a direction and nothing else: g is computed anew
+//! A line search tries twelve lengths. Along −A⁻¹g with bending left out of A, or in air, the last of them is taken
+//! even if `G` rose (`quasi_newton.rs`).
+//!
+//! All numbers are double precision, but those of the multigrid cycles (of the coarse grid, and of `newton.rs`), which
+//! are single and only precondition. The rounding of a solve changes a direction and nothing else: g is computed anew
 //! from x in every iteration, so errors of solves do not add up. In single precision two values of `G` could not be
 //! told apart below some 10⁻⁷ of their size.
 

@@ -25,8 +25,9 @@
 //!
 //! *Where it fails.* A direction that ascends, or twelve lengths in vain: the pairs are cleared, and −A⁻¹∇G is taken,
 //! without the coarse grid. With the whole matrix, no contact and no air it lowers G by proof (`objective.rs`) and is
-//! not searched; with bending left out, or the drag of the air, it is searched if G rises. In contact it always is; if
-//! that fails the step ends where it is, with [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent).
+//! not searched. With bending left out, or the drag of the air, it is searched if G rises; if none of twelve lengths
+//! will do, the last is taken, at most 2⁻¹¹ of the direction, even if G has risen there. In contact it is always
+//! searched; if that fails the step ends where it is, with [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent).
 //!
 //! *The weight* w is in E and in A alike ([crate page](crate#idea)): another w is another material. (Hyperelastic
 //! energies, which are not here, have a w that shapes A alone; Liu et al. fit it by linear regression to the stress.)

@@ -41,9 +41,9 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 /// 10. `x[1] = x`, `v[1] = (x − x[0])/Δt`.
 ///
 /// # Report
-/// A step reports as factorisations those of the constant matrix: 1 in the first step, for another Δt, and where so
-/// many pins or elements have changed that a correction is dearer; else 0. Its residual is
-/// `‖∇G(x)‖/max(‖∇G(x̃)‖, ‖∇C(x)‖)`, with a tolerance only; C is the potential of contact.
+/// A step reports as factorisations those of the constant matrix: 1 in the first step (0 where all vertices are
+/// prescribed), for another Δt, and where so many pins or elements have changed that a correction is dearer; else 0.
+/// Its residual is `‖∇G(x)‖/max(‖∇G(x̃)‖, ‖∇C(x)‖)`, with a tolerance only; C is the potential of contact.
 #[derive(Debug)]
 pub struct PdSolver {
     pub(crate) objective: Objective,

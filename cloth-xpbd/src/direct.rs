@@ -83,9 +83,12 @@
 //!   the error some 0.2 mm; at 1/240 s it is 0.34 mm, and the error some 2 µm.
 //! - *With smaller steps.* In the first step of a chain that has been set in motion (`tests/all/direct/convergence.rs`,
 //!   `where_links_turn_…`) the distance to where this solver ends becomes more than 64 times smaller from 1/60 to 1/240
-//!   s, and again to 1/960 s: an error of x of an order above 3 in h. The velocity is a change of x over h, so its
-//!   error in that step is of an order above 2. A run of a time t has t/h steps. If their errors add up, the sum is of
-//!   an order above 1, and so smaller, for small h, than backward Euler's own error, which is of order 1.
+//!   s, and again to 1/960 s: an error of x of an order above 3 in h. Order 4 is to be expected in the end. With x* the
+//!   end of the step, a correction of δ = ‖x̃ − x*‖ turns a link of length l by some δ/l, and its gradient with it, so
+//!   the sweeps end some δ²/l from x*. δ goes with h²: the distance with h⁴, √ε = δ/l with h², and ε with h⁴, the 256
+//!   of the [limits](crate#limits). The velocity is a change of x over h, so its error in that step is of one order
+//!   less than that of x. A run of a time t has t/h steps. If their errors add up, the sum is of an order lower by one
+//!   again. That is still above 1, and so smaller, for small h, than backward Euler's own error, which is of order 1.
 //! - *At rest.* x̃ lies h² g below x: 2.7 mm at 1/60 s, 7 µm at 1/1200 s. A rope between two pins hangs with the
 //!   gradients of places in between. Its forces, read with those of the end, miss the weight of a vertex, 0.49 N, by
 //!   less than 3e-3 N or 0.6 % at 5 ms, and by about four times as much at 10 ms (`tests/all/chapter/forces.rs`); this
@@ -149,9 +152,9 @@
 //! | 100 links, equal masses | 0.44 | 5 | 470 |
 //! | 100 links, tip 1000 times as heavy | 1.04 | 7 | 1100 |
 //!
-//! An iteration evaluates the rows, factorises once, and solves three to five times with that factor (table above). In
-//! a chain all of that grows with the number of links: a row couples neighbours only, and each link adds the same 74
-//! numbers to the factor.
+//! An iteration evaluates the rows, factorises once, and solves two to five times with that factor ([table
+//! above](#which-system-when)). In a chain all of that grows with the number of links: a row couples neighbours only,
+//! and each link adds the same 74 numbers to the factor.
 //!
 //! **Cloth.** In a sheet of V vertices eliminating a vertex couples all of its neighbours that are left, so the factor
 //! grows faster than V: 329 numbers a vertex with 17 × 17 vertices. Measured (Intel Xeon VM, commit 3158c95, medians):

@@ -4,7 +4,8 @@ use crate::solver::XpbdSolver;
 use crate::update::Multiplier;
 use cloth_core::math::{Real, Vec3};
 
-/// The force of one row, averaged over the last substep.
+/// The force of one row in the last substep: its impulse λ/h over h. Of a converged undamped row that is −k C at the
+/// *end* of the substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowForce<'a> {
     /// Number of the row in its family: element after element in the order in which they were given, row after row.
@@ -31,8 +32,9 @@ impl RowForce<'_> {
 
 /// Forces of the last substep of the last step. All are zero before the first step and after one that failed.
 ///
-/// They are means over the substep, damping included, contact not, and only as converged as the sweeps: with
-/// one sweep per substep, λ of a row is the Δλ of its one visit.
+/// They are impulses over the substep divided by h, damping included, contact not: of a converged row `−k C − β k Ċ` at
+/// its end. They are only as converged as the sweeps: with one sweep per substep, λ of a row is the Δλ of its one
+/// visit.
 impl XpbdSolver {
     /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last substep to
     /// `out`: those of the family that was added as number `family` (from 0), element after element in the

@@ -15,12 +15,13 @@
 //!
 //! The air and contact move x, in double precision, after every sweep; y is rounded anew from it then.
 //!
-//! Rounding then causes no drift, but noise in the strains: the sweeps see positions rounded to 6e-8 of the size of the
-//! cloth, which for a spring of length l in a cloth of size s is a strain of about `6e-8 s/l`. A sheet of 33 ×
-//! 33 vertices and 1 m, falling for 20 steps of 20 substeps, differs from that in double precision by 3.2e-6 in
-//! the strain of its springs (rms, of 8.8e-3) and by at most 4.3e-5 m in its positions (`cargo
-//! test --release -p cloth-xpbd --features single --test all single -- --nocapture`). In return a sweep over
-//! springs takes half the time (`cargo bench -p benches --bench sweeps`).
+//! Rounding then causes no drift, but noise. The sweeps see positions rounded to 6e-8 of the size s of the cloth. For a
+//! spring of length l that is a strain of about `6e-8 s/l`, and in a velocity `6e-8 s/h`; of a correction by g h² two
+//! digits are left where `h > √(100 · 6e-8 s/g)`, 0.8 ms for 1 m ([more](crate::XpbdSolver#rounding)). A sheet of 33 ×
+//! 33 vertices and 1 m, falling for 20 steps of 20 substeps, differs from that in double precision by 3.2e-6 in the
+//! strain of its springs (rms, of 8.8e-3) and by at most 4.3e-5 m in its positions (`cargo test --release -p cloth-xpbd
+//! --features single --test all single -- --nocapture`). In return a sweep over springs takes half the time
+//! (`cargo bench -p benches --bench sweeps`).
 //!
 //! Springs go in packs of four of one colour, so that no two share a vertex. A pack is an element of eight
 //! vertices, and is coloured and shared by threads like any other. The rows of a
@@ -67,9 +68,12 @@
 //! # Limits
 //! - Springs and vector rows whose rest data do not change with time; coloured sweeps; no damping, no extrapolation, no
 //!   forces read out. For all that there is [`XpbdSolver`](crate::XpbdSolver).
-//! - A stiffness is infinite from `1/(k h²) < 1e-38` on, and zero from `1/(k h²) > 1e30`.
+//! - α̃ counts beside w̃ down to 6e-8 w̃. Below, `k h² w̃ > 1.7e7`, a visit divides by w̃ as that of a hard row does,
+//!   and α̃λ is less than 6e-8 of what λ has moved C by: a spring so stiff acts as hard. Above 1e30 α̃ is kept at 1e30
+//!   (unit of C² per kg m²): the row moves nothing that can be seen.
 //! - Where a colour's last pack is not full, springs are visited in another order than by
-//!   [`XpbdSolver`](crate::XpbdSolver): converged results agree, iterates nearly.
+//!   [`XpbdSolver`](crate::XpbdSolver): iterates agree nearly, and converged results as those of two orders do
+//!   ([order](crate#order-of-the-constraints-colours-and-threads)).
 
 mod positions;
 mod springs;

@@ -37,7 +37,7 @@
 //!
 //! For the first two loads no substep is shorter than the h at which `k h² (w₁ + w₂) = 1`. With shorter ones the
 //! springs themselves yield more than unconverged sweeps do, so a soft cloth is as long as its k makes it. Nor is a
-//! substep ever longer than 1/1200 s, the published setting.
+//! substep ever longer than 1/1200 s, that of the default, 20 substeps of 1/60 s.
 
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
@@ -57,8 +57,9 @@ const LONGEST: Real = 1.0 / 1200.0;
 /// One edge in so many may be shorter than the l of the law.
 const SHORT_EDGES: usize = 100;
 
-/// Chooses a number of substeps for a wanted strain; the closed forms behind it are in the
-/// [crate documentation](crate#how-many-substeps-how-many-iterations).
+/// Chooses a number of substeps for a wanted strain; the closed forms behind it are in the [crate
+/// documentation](crate#how-many-substeps-how-many-iterations). The strain that is left is about the wanted one: where
+/// the coefficients of the law were measured it was 0.3 to 1.4 times that.
 ///
 /// The largest strains that its numbers leave over a whole swing (1 m, 10⁴ N/m, falling from the horizontal with steps
 /// of 1/60 s, 10 % wanted; `cargo test --release -p cloth-xpbd --test all the_table_of_the_rule`):
@@ -106,7 +107,8 @@ const SHORT_EDGES: usize = 100;
 /// contact = { self = true }
 /// ```
 ///
-/// holds this much strain energy, and at some time so much more energy than all that was put in:
+/// holds this much strain energy, and at some time so much more energy than all that was put in. The rule has there a
+/// `fall` of 1.0504 m: the side of the sheet, and what is free between its nearest vertex and the ball.
 ///
 /// | substeps | after 20 steps (J) | after 60 (J) | excess over 60 (J) |
 /// |---|---|---|---|
@@ -120,7 +122,8 @@ const SHORT_EDGES: usize = 100;
 /// The excess is the error of unconverged sweeps, as without contact. So where cloth can touch something, ask for 7 %.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubstepRule {
-    /// The largest strain (dimensionless) that the sweeps may leave in an edge, above 0.
+    /// About the largest strain (dimensionless) that the sweeps are to leave in an edge, above 0; up to 1.4 times as
+    /// much was seen.
     pub strain: Real,
     /// Acceleration of free fall (m/s²).
     pub gravity: Vec3,
@@ -151,8 +154,7 @@ impl SubstepRule {
         count.clamp(1.0, Real::from(u32::MAX)) as u32
     }
 
-    /// The longest substep (s) that leaves no more than the wanted strain, or than the elastic stretch of the
-    /// springs.
+    /// The longest substep (s) that leaves about the wanted strain, or no more than the elastic stretch of the springs.
     fn longest(&self, particles: &Particles, springs: &[Spring]) -> Real {
         let free = particles.inverse_mass().iter().filter(|&&w| w > 0.0);
         let (count, ease) = free.fold((0_u32, 0.0), |(count, sum), w| (count + 1, sum + w));

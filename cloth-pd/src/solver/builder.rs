@@ -48,6 +48,48 @@ impl PdBuilder {
     }
 
     /// Adds a family of elements. Those without weight are left out.
+    ///
+    /// # Example
+    /// An element of one's own ([crate page](crate#add-an-element)):
+    /// ```
+    /// use cloth_pd::cloth_core::element::{Element, Projective};
+    /// use cloth_pd::cloth_core::math::Mat3;
+    /// use cloth_pd::{Particles, PdSolver, State, StepInput, Stepper, Vec3};
+    ///
+    /// /// Pulls a vertex to a plane through the origin: `E = ½ w (n·x)²` (J).
+    /// #[derive(Clone, Copy, Debug)]
+    /// struct NearPlane { vertex: u32, normal: Vec3, stiffness: f64 }
+    ///
+    /// impl Element<1> for NearPlane {
+    ///     fn vertices(&self) -> [u32; 1] {
+    ///         [self.vertex]
+    ///     }
+    /// }
+    ///
+    /// impl Projective<1, 1> for NearPlane {
+    ///     fn operator(&self) -> [[f64; 1]; 1] {
+    ///         [[1.0]] // z = x
+    ///     }
+    ///     fn weight(&self) -> f64 {
+    ///         self.stiffness
+    ///     }
+    ///     fn project(&self, [z]: [Vec3; 1]) -> [Vec3; 1] {
+    ///         [z - self.normal * self.normal.dot(&z)]
+    ///     }
+    ///     fn projected_hessian(&self, _: [Vec3; 1]) -> [[Mat3; 1]; 1] {
+    ///         [[self.normal * self.normal.transpose()]] // I − ∂p/∂z
+    ///     }
+    /// }
+    ///
+    /// let plane = NearPlane { vertex: 0, normal: Vec3::y(), stiffness: 50.0 };
+    /// let particles = Particles::new(vec![0.5])?;
+    /// let mut solver = PdSolver::builder(&particles).energy(vec![plane]).build()?;
+    /// let mut state = State::at_rest(vec![Vec3::new(0.3, 0.2, 0.0)]);
+    /// solver.step(&mut state, StepInput::new(0.1))?;
+    /// // Implicit Euler in closed form: y/(1 + w Δt²/m).
+    /// assert!((state.positions[0] - Vec3::new(0.3, 0.1, 0.0)).norm() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn energy<const N: usize, const K: usize, E: Projective<N, K>>(
         mut self,

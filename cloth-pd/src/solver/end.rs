@@ -8,8 +8,8 @@ use cloth_core::step::StepReport;
 /// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
 const BALANCE_TOLERANCE: Real = 1e-8;
 /// The same over the tolerance of the velocities, in a step that goes on until these are near enough. Where the Hessian
-/// of `G` is at least M/Δt² (no compressed elements) the change of velocity is off by no more than this fraction of it,
-/// in the norm of M.
+/// of `G` is at least M/Δt² (no compressed elements) the change of velocity by elastic and contact forces, (x − x̃)/Δt,
+/// is off by no more than this fraction of it, in the norm of M.
 const BALANCED_VELOCITIES: Real = 1e-4;
 /// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
 const NEGLIGIBLE_SPEED: Real = 1e-6;
@@ -65,8 +65,8 @@ impl PdSolver {
 
     /// Whether velocities are as near to those of the minimum as `fraction` of the tolerance asks: by the Newton
     /// decrement of the last direction, and by `decrease` (J), that of `G` in [`DECREASE_WINDOW`] iterations. Pairs
-    /// that do not fit the Hessian can make the first too small. Where no direction leads down any more, as at the speed
-    /// at which the air carries a sheet, the gradient bounds it: the Hessian is at least M/Δt².
+    /// that do not fit the Hessian can make the first too small. Where no direction leads down any more, as at the
+    /// speed at which the air carries a sheet, the gradient bounds it: the Hessian is at least M/Δt².
     pub(super) fn meets_velocity_tolerance(&self, fraction: Real, decrease: Real) -> bool {
         let Method::QuasiNewton(method) = &self.method else {
             return false;

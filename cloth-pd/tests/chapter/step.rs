@@ -154,7 +154,8 @@ fn threads_do_not_change_a_bit() {
         let mut state = start.clone();
         let config = PdConfig {
             tolerance: Some(1e-9),
-            iterations: Some(3),
+            // Chebyshev's method extrapolates from the fourth on.
+            iterations: Some(6),
             acceleration,
             ..PdConfig::default()
         };
@@ -166,8 +167,11 @@ fn threads_do_not_change_a_bit() {
         (state, residual)
     };
     let plain = Acceleration::None;
+    let chebyshev = Acceleration::Chebyshev {
+        spectral_radius: None,
+    };
     let quasi_newton = Acceleration::QuasiNewton { history: 5 };
-    for acceleration in [plain, quasi_newton] {
+    for acceleration in [plain, chebyshev, quasi_newton] {
         let one = run(1, acceleration);
         assert!(one == run(2, acceleration) && one == run(4, acceleration));
     }

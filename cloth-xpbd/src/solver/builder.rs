@@ -17,27 +17,33 @@ use cloth_core::step::BuildError;
 /// Every implementor of [`Constraint`]. The elements of `cloth_core::energy`, with `A = ½ ‖(x₁ − x₀) × (x₂ − x₀)‖`, V
 /// the volume of a tetrahedron, and e_a a unit vector along x, y or z:
 ///
-/// | element | C | ∂C/∂xᵢ | where ∂C has no value |
-/// |---|---|---|---|
-/// | `Spring` | `l − L`, `l = ‖x₀ − x₁‖` | n and −n, `n = (x₀ − x₁)/l` | l = 0: any n, by the vertex numbers |
-/// | `Attachment`, `SoftPin` | three: `x − p` | e_a | |
-/// | [`Joint`](crate::links::Joint) | three: `x₀ − x₁` | e_a and −e_a | |
-/// | closed `Stitch` | three: `z = Σ qᵢ xᵢ` | qᵢ e_a | |
-/// | `CurvatureHinge`, `MidpointHinge` | three: `z = Σ qᵢ xᵢ` | qᵢ e_a | |
-/// | `CurvedHinge` | `‖z‖ − r` | `qᵢ z/‖z‖` | z = 0: any direction, by the numbers |
-/// | `DihedralHinge` | `θ − θ₀` | below | a wing without area: C and ∂C are zero |
-/// | `StvkTriangle` | three strains, below | below | |
-/// | `ArapTriangle` | two: `σ − 1` | `u (v·bᵢ)` | σ = 0: any u at right angles to the other |
-/// | `ArapTetrahedron` | three: `σ − 1` | `u (v·bᵢ)` | the same |
-/// | `AreaTriangle` | `A − A₀` | `½ n × oᵢ`, below | A = 0: any n across the line |
-/// | `VolumeTetrahedron` | `V − V₀` | `(x₂ − x₀) × (x₃ − x₀)/6` for x₁, likewise for x₂ and x₃ with 1, 2, 3 turned; minus their sum for x₀ | |
-/// | `StrainLimitSpring`, `StrainLimitTriangle` | `l`, `σ` minus the nearest allowed | as without limits; inside 0 | |
+/// | element | C | k | ∂C/∂xᵢ | where ∂C has no value |
+/// |---|---|---|---|---|
+/// | `Spring` | `l − L`, `l = ‖x₀ − x₁‖` | k (N/m) | n and −n, `n = (x₀ − x₁)/l` | l = 0: any n, by the vertex numbers |
+/// | `Attachment`, `SoftPin` | three: `x − p` | k (N/m) | e_a | |
+/// | [`Joint`](crate::links::Joint) | three: `x₀ − x₁` | k (N/m) | e_a and −e_a | |
+/// | closed `Stitch` | three: `z = Σ qᵢ xᵢ` | k (N/m) | qᵢ e_a | |
+/// | `CurvatureHinge`, `MidpointHinge` | three: `z = Σ qᵢ xᵢ` | D/(A₀ + A₁), 3D/(A₀ + A₁) (N/m) | qᵢ e_a | |
+/// | `CurvedHinge` | `‖z‖ − r` | D/(A₀ + A₁) (N/m) | `qᵢ z/‖z‖` | z = 0: any direction, by the numbers |
+/// | `DihedralHinge` | `θ − θ₀` | D e²/(A₀ + A₁) (J) | below | a wing without area: C and ∂C are zero; near that ∂C grows as 1/height |
+/// | `StvkTriangle` | three strains, below | below (J) | below | |
+/// | `ArapTriangle` | two: `σ − 1` | A₀ Y (J) | `u (v·bᵢ)` | σ = 0: any u at right angles to the other |
+/// | `ArapTetrahedron` | three: `σ − 1` | 2 μ V₀ (J) | `u (v·bᵢ)` | the same |
+/// | `AreaTriangle` | `A − A₀` | K/A₀ (N/m³) | `½ n × oᵢ`, below | A = 0: any n across the line |
+/// | `VolumeTetrahedron` | `V − V₀` | K/V₀ (N/m⁵) | `(x₂ − x₀) × (x₃ − x₀)/6` for x₁, likewise for x₂ and x₃ with 1, 2, 3 turned; minus their sum for x₀ | |
+/// | `StrainLimitSpring`, `StrainLimitTriangle` | `l`, `σ` minus the nearest allowed | k (N/m), A₀ Y (J) | as without limits; inside 0 | |
+///
+/// **k.** A bare k is what the element is given; the others follow from the material: Y the modulus of the membrane and
+/// D the bending rigidity (N m); μ the shear modulus of a solid (Pa); K the modulus of area (N/m) or volume (Pa). A₀
+/// and A₁ are the areas of the triangles, V₀ the volume, and e the length of the edge, all at rest. The unit of k is J
+/// over that of C squared.
 ///
 /// **No 0/0.** No element divides by C, or by anything that vanishes at rest: C = 0 is a point like any other. The
-/// lengths that do vanish are those of the last column. Where a direction is missing one is chosen that is a limit of
-/// nearby ones, so that what has collapsed opens again. A row whose gradients are all zero has w̃ = 0 and moves
-/// nothing: a triangle shrunk to a point, a hinge without a wing. Nor does one between prescribed vertices; if it is
-/// soft, its λ becomes −C/α̃, h² times the force on them.
+/// lengths that do vanish, in a *present* shape, are those of the last column. Where a direction is missing one is
+/// chosen that is a limit of nearby ones, so that what has collapsed opens again. A row whose gradients are all zero
+/// has w̃ = 0 and moves nothing: a triangle shrunk to a point, a hinge without a wing. Nor does one between prescribed
+/// vertices; if it is soft, its λ becomes −C/α̃, h² times the force on them. Degenerate shapes *at rest* are
+/// [below](#rest-shapes).
 ///
 /// **k of a spring from Y** (N/m), on the alternating grid of squares of side a. In a sheet under the plane strain ε a
 /// spring of length L along the unit vector n is strained by nᵀεn, and stores `½ k L² (nᵀεn)²`. To a square belong one
@@ -67,7 +73,8 @@ use cloth_core::step::BuildError;
 /// and less. σ, u and v above are singular values and vectors of F. There is no neo-Hookean triangle.
 ///
 /// **Quadratic hinge.** With θ₀ and θ₁ the rest angles of the first triangle at x₀ and x₁, θ₂ and θ₃ those of the
-/// second, `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −cot θ₀ − cot θ₁, −cot θ₂ − cot θ₃)`: constant, so nothing vanishes.
+/// second, `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −cot θ₀ − cot θ₁, −cot θ₂ − cot θ₃)`: constants, so no present shape
+/// is special. Only a rest triangle without area has no cotangents.
 ///
 /// **Dihedral hinge** (with [`HingeLaw::Angle`](cloth_core::energy::HingeLaw)). With `e = x₁ − x₀`,
 /// `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e` and `tᵢ = (xᵢ − x₀)·e/‖e‖²`,
@@ -82,7 +89,76 @@ use cloth_core::step::BuildError;
 /// ‖n₂‖/‖e‖, that is the angle by which the triangle turns, and θ falls by it. (The second derivatives are with
 /// [`DihedralHinge`](cloth_core::energy::DihedralHinge).) Flat, θ = 0, is regular. (`arccos(n₂·n₃)` of unit normals, as
 /// in Müller et al. 2007, has there the slope `−1/√(1 − (n₂·n₃)²)`, which is infinite.) `θ − θ₀` is wrapped into [−π,
-/// π].
+/// π]: where `|θ − θ₀|` passes π, folded up or opposite to the rest angle, C jumps from π to −π and the moment turns
+/// round, while ½ k C² stays continuous.
+///
+/// # Rest shapes
+/// The triangles of a [`TriMesh`](cloth_core::mesh::TriMesh) have an area, and elements made on one are sound. Those
+/// made by hand (`new`) are not checked. With a rest triangle or tetrahedron without area or volume
+///
+/// - a `CurvatureHinge` has infinite q or NaN, and the first step is refused with
+///   [`StepError::NonFinite`](cloth_core::step::StepError::NonFinite);
+/// - a `StvkTriangle` does nothing: its k is A₀ times a modulus, 0;
+/// - an `AreaTriangle` and a `VolumeTetrahedron` have k = K/0 = ∞, hard rows that keep it so;
+/// - a `DihedralHinge` beside it takes θ₀ = 0.
+///
+/// A spring of rest length 0 is sound: it draws its ends together.
+///
+/// # Add an element
+/// One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives the
+/// rows. The solver takes it as it takes ours; damping, forces, colours, threads and the direct solver follow. A soft
+/// pin along a line, as an example: `C` is the two coordinates across it.
+///
+/// ```
+/// use cloth_xpbd::cloth_core::check::gradient_error;
+/// use cloth_xpbd::cloth_core::element::{Constraint, Element, Row};
+/// use cloth_xpbd::{Particles, State, StepInput, Stepper, Vec3, XpbdSolver};
+///
+/// /// Pulls a vertex to the z axis: `C = (x, y)` (m).
+/// #[derive(Clone, Copy, Debug)]
+/// struct Rail { vertex: u32, stiffness: f64 }
+///
+/// impl Element<1> for Rail {
+///     fn vertices(&self) -> [u32; 1] {
+///         [self.vertex]
+///     }
+/// }
+///
+/// impl Constraint<1> for Rail {
+///     type Rows = [Row<1>; 2];
+///
+///     fn rows(&self, [x]: &[Vec3; 1]) -> [Row<1>; 2] {
+///         [(x.x, Vec3::x()), (x.y, Vec3::y())]
+///             .map(|(value, gradient)| Row { value, gradient: [gradient], stiffness: self.stiffness })
+///     }
+/// }
+///
+/// let rail = Rail { vertex: 0, stiffness: 50.0 };
+/// // First of all: gradients against finite differences.
+/// assert!(gradient_error(&rail, &[Vec3::new(0.3, -0.2, 1.0)], 1.0) < 1e-9);
+/// // One constraint alone ends where implicit Euler does: C̃/(1 + k h² w̃).
+/// let particles = Particles::new(vec![0.5])?;
+/// let mut solver = XpbdSolver::builder(&particles)
+///     .energy(vec![rail])
+///     .config(cloth_xpbd::XpbdConfig { substeps: 1, ..Default::default() })
+///     .build()?;
+/// let mut state = State::at_rest(vec![Vec3::new(0.3, 0.0, 0.0)]);
+/// solver.step(&mut state, StepInput::new(0.1))?;
+/// assert!((state.positions[0].x - 0.3 / (1.0 + 50.0 * 0.1 * 0.1 / 0.5)).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// k must depend neither on x nor on the time of `set_time`: the update takes it as a constant. An element whose one
+/// row has a unit gradient, or whose rows are linear coordinates, may say so (`row_form`) and is swept faster; the
+/// direct solver asks for `geometric_stiffness`, which has a default.
+///
+/// **An inequality** is free on one side, as a wall that keeps a vertex at φ = x ≥ 0. There its rows have neither value
+/// nor gradient, so no visit could take back the λ of an earlier one. Therefore it shows φ twice.
+/// [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows) gives
+/// `Some([DeadZoneRow { value, gradient, range, stiffness }])`, with φ and ∂φ not cut off, and in `range` the φ at
+/// which nothing acts, here `[0.0, f64::INFINITY]`. `rows` gives the [`row`](cloth_core::element::DeadZoneRow::row) of
+/// that, `C = φ − clamp(φ)`. The solver keeps the sign of λ, and does not damp the row.
+/// [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) is an example.
 #[derive(Debug)]
 pub struct XpbdBuilder {
     motion: Motion,

@@ -15,6 +15,7 @@
 //! | limits: the minimum of implicit Euler, found independently | `limits.rs` | 1e-14 m: rounding |
 //! | force missing at rest goes with h² | `forces.rs` | the order, 2 ± 0.1, from h and h/2 |
 //! | momentum in free flight; rigid motion is not damped | `links.rs`, `damping.rs` | rounding |
+//! | angular momentum that a free link keeps, `1/√(1 + (ωh)²)`, then `1/√(5 − 4 cos φ)` | `links.rs` | 1e-12: rounding of x over h |
 //! | same bits on 1, 2 and 4 threads, and restarted | here | none |
 //! | gap to implicit Euler shrinks with h and not with n | here | bounds: there is no closed form |
 //!
@@ -186,24 +187,25 @@ fn a_hanging_chain_has_sag_and_tensions_of_statics_in_any_order() {
     }
 }
 
+/// Stretched out sideways and swinging: the links turn during a step, and with them the gradients.
+fn swinging(chain: &Chain) -> State {
+    let mut state = chain.at_rest();
+    for x in &mut state.positions {
+        *x = Vec3::new(-x.z, 0.0, 0.0);
+    }
+    for (x, v) in state.positions.iter().zip(&mut state.velocities) {
+        v.z = -3.0 * x.x * x.x;
+    }
+    state
+}
+
 #[test]
 fn converged_sweeps_miss_the_minimiser_of_implicit_euler() {
     let chain = Chain::of(10, 0.1, 0.1, 200.0);
     let energies = Energies::new(chain.particles.len());
     let energies = energies.with(chain.springs.clone()).unwrap();
-    // Swinging: the links turn during a step, and with them the gradients.
-    let swinging = || {
-        let mut state = chain.at_rest();
-        for x in &mut state.positions {
-            *x = Vec3::new(-x.z, 0.0, 0.0);
-        }
-        for (x, v) in state.positions.iter().zip(&mut state.velocities) {
-            v.z = -3.0 * x.x * x.x;
-        }
-        state
-    };
     let gap = |h: Real, n: u32| {
-        let mut state = swinging();
+        let mut state = swinging(&chain);
         let mut predicted = state.positions.clone();
         let input = StepInput::new(h).gravity(GRAVITY);
         predict(&chain.particles, &state, &input, &mut predicted);
@@ -266,6 +268,29 @@ fn coloured_and_sequential_sweeps_agree_only_where_they_converge() {
     let apart = |n| largest_distance(&run(n, Sweep::Sequential), &run(n, Sweep::Colored));
     assert!(apart(2) > 1e-3);
     assert!(apart(3000) < 1e-13);
+}
+
+/// In the straight chain above no link turns.
+#[test]
+fn where_links_turn_the_end_of_converged_sweeps_depends_on_their_order() {
+    let chain = Chain::of(10, 0.1, 0.1, 200.0);
+    let run = |n, sweep| {
+        let config = XpbdConfig {
+            sweep,
+            ..iterations(n)
+        };
+        let mut state = swinging(&chain);
+        let mut solver = solver(&chain, config);
+        let input = StepInput::new(1.0 / 30.0).gravity(GRAVITY);
+        solver.step(&mut state, input).unwrap();
+        let residual = solver.compliance_residual(&state.positions);
+        assert!(residual < 1e-14, "{sweep:?}: {residual:e} m");
+        state.positions
+    };
+    let apart = |n| largest_distance(&run(n, Sweep::Sequential), &run(n, Sweep::Colored));
+    let (apart, longer) = (apart(4000), apart(8000));
+    assert!(apart > 1e-8, "{apart:e} m");
+    assert!((longer / apart - 1.0).abs() < 1e-6, "{apart:e} {longer:e}");
 }
 
 #[test]

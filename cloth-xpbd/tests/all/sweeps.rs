@@ -1,4 +1,4 @@
-//! Every kind of sweep, extrapolated or not, converges to the same step, multipliers included.
+//! In a straight chain every kind of sweep, extrapolated or not, converges to the same step, multipliers included.
 
 use crate::counting_allocator;
 use crate::sheet;

@@ -7,8 +7,10 @@ use crate::step::BuildError;
 
 /// The order of a sweep.
 ///
-/// The iterates depend on it; where the sweeps converge, all kinds agree. In the straight chain of N equal
-/// rigid links, held at one end, one sweep leaves the factor given of the slowest part of the error.
+/// The iterates depend on it. Where rows are linear, or none of them turns, sweeps of all kinds converge to the same
+/// end; where rows turn each kind ends at a place of its own, since every correction keeps the gradients of its visit.
+/// In the straight chain of N equal rigid links, held at one end, one sweep leaves the factor given of the slowest part
+/// of the error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sweep {
     /// Gauss–Seidel in the order given, on one thread: an element sees what the one before it moved. Chain:

@@ -111,6 +111,34 @@ fn links_and_joints_are_met_to_round_off_and_free_flight_keeps_momentum() {
     assert!(lost < 0.05, "{lost}");
 }
 
+/// A free link of 1 m that turns at ω: `1/√(1 + (ωh)²)` in the first substep, with velocities across it, and in a later
+/// one `1/√(5 − 4 cos φ)`, φ the angle by which it turned in the one before.
+#[test]
+fn a_free_link_loses_the_angular_momentum_of_the_law() {
+    let particles = Particles::new(vec![0.3, 0.7]).unwrap();
+    let link = Spring {
+        vertices: [0, 1],
+        rest_length: 1.0,
+        stiffness: Real::INFINITY,
+    };
+    let builder = XpbdSolver::builder(&particles).energy(vec![link]);
+    let mut solver = builder.config(iterations(1)).build().unwrap();
+    let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::x()]);
+    let (h, turning): (Real, Real) = (0.05, 3.0);
+    // Its centre of mass rests.
+    state.velocities[0].y = -0.7 * turning;
+    state.velocities[1].y = 0.3 * turning;
+    let mut law = 1.0 / (1.0 + (turning * h).powi(2)).sqrt();
+    for step in 0..20 {
+        let link = |state: &State| state.positions[1] - state.positions[0];
+        let (before, from) = (angular_momentum(&particles, &state), link(&state));
+        solver.step(&mut state, StepInput::new(h)).unwrap();
+        let kept = angular_momentum(&particles, &state).norm() / before.norm();
+        assert!((kept / law - 1.0).abs() < 1e-12, "{step}: {kept} {law}");
+        law = 1.0 / (5.0 - 4.0 * from.dot(&link(&state))).sqrt();
+    }
+}
+
 #[test]
 fn a_cloth_that_hangs_by_chains_pulls_at_their_pins_with_all_the_weight() {
     let mut scene = scene();
