@@ -1,5 +1,5 @@
-//! One sheet of cloth in sixteen materials at three sizes of step: does every implicit step converge, by which method,
-//! and in what time?
+//! One sheet of cloth in sixteen materials at three sizes of step each, and of one material by three further laws of
+//! springs at one size of step: does every implicit step converge, by which method, and in what time?
 //!
 //! `cargo run --release -p cloth-massspring --example materials [-- SIDE STEPS]`. It panics if a step does not
 //! converge.

@@ -166,8 +166,8 @@ pub enum HessianPolicy {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Accept {
-    /// All of them, a saddle point too: a solution of ∇G = 0, which is all that implicit Euler asks for. A compressed
-    /// sheet may then buckle some steps later than it could.
+    /// All of them, a saddle point too: a solution of ∇G = 0, which is all that implicit Euler asks for. Exactly flat
+    /// cloth under forces in its plane then never buckles, other compressed cloth some steps later than it might.
     #[default]
     Stationary,
     /// Minima only, by a factorisation: the exact Hessian of G was positive definite at the point, or at the iterate

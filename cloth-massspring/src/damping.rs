@@ -1,11 +1,11 @@
-//! Damping: drag of the air, and a resistance to deformation that grows with the stiffness.
+//! Damping: a drag in proportion to mass and velocity, and a resistance to deformation that grows with the stiffness.
 
 use cloth_core::error::not_negative;
 use cloth_core::math::Real;
 use cloth_core::step::BuildError;
 
 /// Forces against the motion, `f = −α M v − β K v` (Rayleigh damping). An oscillation ω loses energy at the rate
-/// `2γ = α + β ω²`: the air takes from slow motions as much as from fast ones, the material from fast ones most.
+/// `2γ = α + β ω²`: α takes from slow motions as much as from fast ones, β from fast ones most.
 ///
 /// `K` is the material part of the stiffness, `Σ k ∂C ∂Cᵀ`
 /// ([`GaussNewton`](cloth_core::element::Convexity::GaussNewton)): it resists the *rate of strain*. What a tense spring
@@ -27,8 +27,9 @@ use cloth_core::step::BuildError;
 /// J. W. Strutt (Lord Rayleigh), *The Theory of Sound*, 1877, § 81.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Damping {
-    /// α (1/s): the air holds every vertex back by `α m v`. A drag of `c` N per m/s and m² of cloth is `α = c/ρ`, with
-    /// ρ the areal density (kg/m²).
+    /// α (1/s): every vertex is held back by `α m v`. A drag of `c` N per m/s and m² of cloth is `α = c/ρ`, with ρ the
+    /// areal density (kg/m²). It knows neither wind nor the direction of the surface:
+    /// [`StepInput::air`](cloth_core::step::StepInput::air) does, with a resistance D of its own, and both may act.
     pub air_drag: Real,
     /// β (s): every element resists its rate of strain with `β` times its stiffness.
     pub stiffness: Real,

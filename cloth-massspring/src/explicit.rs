@@ -8,9 +8,10 @@
 //! x[1] = x[0] + Δt v[0]          forward (explicit) Euler
 //! ```
 //!
-//! Only the index of one velocity differs. The drag of the air alone is taken with `v[1]`, which costs a block of 3 × 3
-//! a vertex ([`cloth_core::air`]). Forward Euler lets every oscillation grow by `√(1 + z²)` a step
-//! (`z = Δt ω`), symplectic Euler keeps it bounded for ever as long as `z < 2`.
+//! Only the index of one velocity differs. The drag α and the stiffness damping β of [`Damping`](crate::Damping) are
+//! taken with `v[0]`. The resistance of the air, [`StepInput::air`], alone is taken with `v[1]`, which costs a block of
+//! 3 × 3 a vertex ([`cloth_core::air`]). Forward Euler lets every oscillation grow by `√(1 + z²)` a step (`z = Δt ω`),
+//! symplectic Euler keeps it bounded for ever as long as `z < 2`.
 
 mod builder;
 mod monitor;

@@ -73,8 +73,9 @@ use stage::Stage;
 /// cloth; with contacts in the input only if nothing is held, and for all components together. In Newton's method it is
 /// kept as exactly as the linear systems are solved. Angular momentum is not kept.
 ///
-/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and its name is `linear-implicit`. With contact,
-/// what touches nothing takes the same step. Elsewhere:
+/// With [`Solve::Linearized`] its name is `linear-implicit`, and from the start `x[0]`, as by
+/// [`ImplicitConfig::linearized`], it is the step of Baraff and Witkin. With contact, what touches nothing takes the
+/// same step. Elsewhere:
 /// - The cloth is linearised and contact is not: at the start of the step it does not touch yet what it meets in the
 ///   step, so a linearised contact would miss that.
 /// - The quadratic function of the cloth and the contact potential are minimised together, to the tolerance.
@@ -293,15 +294,16 @@ impl Implicit {
             TimePoint::Middle => 0.5 * input.dt,
         };
         self.energies.set_time(state.time + until_then);
-        let drag = 1.0 / (1.0 + self.config.damping.air_drag * interval.tau);
+        // 1/(1 + ατ). (The drag of `input.air` is another one, D.)
+        let slowing = 1.0 / (1.0 + self.config.damping.air_drag * interval.tau);
         let is_middle = interval.at == TimePoint::Middle;
         let from_elsewhere = is_middle && !self.continues(state);
-        self.predict(state, input, interval, drag, base);
+        self.predict(state, input, interval, slowing, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
         let mut source = input.contacts.take();
         let contact = source.as_mut().map(|source| source.potential());
         if is_middle && contact.is_some() {
-            let (w, s) = (self.particles.inverse_mass(), interval.tau * drag.sqrt());
+            let (w, s) = (self.particles.inverse_mass(), interval.tau * slowing.sqrt());
             let predicted = &mut self.predicted;
             self.end_contact
                 .apply_lasting_force(from_elsewhere, w, s, predicted);
@@ -324,7 +326,7 @@ impl Implicit {
                     particles: &self.particles,
                     energies: &self.energies,
                     predicted: &self.predicted,
-                    dt: interval.tau * drag.sqrt(),
+                    dt: interval.tau * slowing.sqrt(),
                 },
                 damper: self.damper.as_ref(),
                 air: input.air.as_deref().map(|air| AirDrag {
@@ -402,7 +404,7 @@ impl Implicit {
         state: &State,
         input: &mut StepInput<'_>,
         interval: Interval,
-        drag: Real,
+        slowing: Real,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) {
         let tau = interval.tau;
@@ -427,7 +429,7 @@ impl Implicit {
                 let [from, speed] = base(vertex, x, v);
                 let pull = input.external_acceleration(vertex, w) * tau;
                 self.base[vertex] = from;
-                self.predicted[vertex] = from + (speed + pull) * (tau * drag);
+                self.predicted[vertex] = from + (speed + pull) * (tau * slowing);
                 start[vertex] = from + speed * tau;
             }
         }

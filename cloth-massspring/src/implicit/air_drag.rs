@@ -1,4 +1,4 @@
-//! The drag of the air as part of the minimisation.
+//! The resistance of the air as part of the minimisation. (The drag α of [`Damping`](crate::Damping) is none of it.)
 //!
 //! The air pulls at a vertex with `F − D (v − v₀)` ([`cloth_core::air`]): F is its force at the velocity v₀ of the
 //! vertex before the step, and D (3 × 3, kg/s) the positive semi-definite part of how that changes with the velocity,

@@ -14,7 +14,9 @@
 //!
 //! The x of that is the stationary point of the midpoint's objective plus `E_contact(2x − x[0]) + f[0]·x`, whose forces
 //! are `2 f(x[1]) − f[0]`. The velocity that follows from it has one `Δt M⁻¹ (f(x[1]) − f[0])` too many, which
-//! `correct_velocities` takes away.
+//! `correct_velocities` takes away. Drag and damping are in f_other, with the velocity of the stage,
+//! `(x[1] − x[0])/Δt`: where contact is new that is not the mean of v[0] and v[1], but `½ Δt M⁻¹ (f(x[1]) − f[0])`
+//! more. (With the drag α at the mean it would be `Δt/(1 + ατ) M⁻¹ (f(x[1]) − f[0])` too many, τ = Δt/2.)
 
 use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactStep, GlobalRows};
 use cloth_core::math::{Real, Vec3};

@@ -54,7 +54,11 @@ impl Unconstrained {
         Self::of(pattern, &is_unconstrained)
     }
 
-    /// Shifts each component at an evaluated point to the minimum along its translations, and its gradient with it.
+    /// Shifts each component at an evaluated point to the minimum along its translations, and its gradient with it. The
+    /// value stays, and is then too high by the sum of `½ tᵀ (m/s² + Σ D/τ) t` over the components, t their shifts.
+    /// That is at most `½ s² ‖∇G‖²`, in the norm of M⁻¹, of the gradient before the shift, as `|Σ ∇G|² ≤ m Σ |∇G|²/mᵢ`.
+    /// It counts only where Newton's method goes on from there: its first step may end higher than it should by as
+    /// much, and takes the fall of G so far for as much smaller.
     pub(super) fn restore_momentum(&self, stage: &Stage<'_>, point: &mut Point) {
         for component in &self.components {
             shift_to_minimum(component.iter().copied(), stage, point);

@@ -255,6 +255,7 @@ impl Minimizer {
             .and_then(|()| self.iterate(&mut method, task, contact, observer, report));
         let shifted = self.shift_together(&mut method, task, contact);
         if contact.is_none() {
+            // The value stays that before the shift: see there by how much it is then too high.
             method.restore_momentum(stage, &mut self.current);
         }
         self.quasi_newton = Some(method);

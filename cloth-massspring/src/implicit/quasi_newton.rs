@@ -136,7 +136,8 @@ impl QuasiNewton {
             u32::from(fraction < SHORTENED_BELOW && !self.hessian.has_global_terms());
     }
 
-    /// Keeps the pair (s, y) of a step of `length` along the last direction (m) from one gradient (N) to another.
+    /// Keeps the pair (s, y) of L-BFGS, of which s is no time, of a step of `length` along the last direction (m) from
+    /// one gradient (N) to another.
     pub(super) fn accumulate(
         &mut self,
         length: Real,

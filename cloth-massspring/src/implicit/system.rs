@@ -1,5 +1,5 @@
 //! The linear system `(M/s² + H) Δx = −∇G`, kept positive definite; s is the time of the stage, Δt in implicit Euler
-//! without drag. (Damping and drag of the air add their own terms.)
+//! without drag. (Stiffness damping and the resistance of the air add their own terms.)
 //!
 //! Where springs are compressed the exact `H` can make the matrix indefinite, and a Newton step may lead uphill. The
 //! usual cure, dropping the indefinite part of every element ([`Convexity::Clamp`]), always works and is always

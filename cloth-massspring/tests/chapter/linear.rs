@@ -1,4 +1,5 @@
-//! Every linear solver of Newton's method leads to the same minimum.
+//! The linear solvers of Newton's method lead to the same minimum: Cholesky, and the iterative ones but for multigrid,
+//! which `tests/light.rs` has.
 
 use crate::newton::{DT, norms};
 use crate::{DOWN, chain, hang, largest_difference, noise, sharp, solver};
@@ -9,6 +10,7 @@ use cloth_core::particles::State;
 use cloth_core::step::{BuildError, Outcome, StepInput, StepReport, Stepper};
 use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler, Solve};
 
+/// All but multigrid.
 fn iterative(tolerance: Real) -> [LinearMethod; 4] {
     let budget = StoppingCriteria {
         tolerance,

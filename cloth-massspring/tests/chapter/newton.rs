@@ -265,6 +265,7 @@ fn the_start_does_not_matter_where_springs_are_stretched() {
     });
     assert!(largest_difference(&solutions[0], &solutions[1]) < 1e-12);
     assert!(largest_difference(&solutions[0], &solutions[2]) < 1e-12);
+    assert!(largest_difference(&solutions[0], &solutions[3]) < 1e-12);
 }
 
 #[test]

@@ -1,9 +1,10 @@
-//! The default (L-BFGS, and Newton's method where that is stuck) from starts that make no sense, at ratios that are too
-//! large.
+//! The default (L-BFGS, and Newton's method by Cholesky where that is stuck) from starts that make no sense, at ratios
+//! that are too large.
 //!
 //! A cell is one kind of start at one size of step, stiffness ratio and mass ratio; ten jittered runs each. A run
-//! passes if the step converges to a finite state whose incremental potential is not above that of its start, or fails
-//! with a `StepError` and leaves the state untouched. The second kind is counted apart.
+//! passes if the step converges to a finite state, and by implicit Euler to one whose incremental potential is not
+//! above that of its start. A step that spends its iterations or is refused fails; a refused one has to leave the state
+//! untouched.
 
 use crate::{DOWN, noise, solver};
 use cloth_core::energy::Spring;
