@@ -259,8 +259,14 @@ impl Method {
             Kind::Pd => "it would be in its constant matrix",
             _ => "it is built on the elastic energy and its derivatives, which would be infinite",
         };
+        let what = match scene.has_hard_links() {
+            true => {
+                "links without a finite stiffness, which is what [[link]] has unless it says one"
+            }
+            false => "stiffness=inf",
+        };
         Err(BenchError::Usage(format!(
-            "`{}` cannot take stiffness=inf: {reason}; xpbd takes it, as hard constraints",
+            "`{}` cannot take {what}: {reason}; xpbd takes it, as hard constraints",
             self.name
         )))
     }

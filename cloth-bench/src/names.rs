@@ -28,6 +28,15 @@ pub fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
     })
 }
 
+/// One sentence that refuses the number of a `kind` of thing (`"mesh"`), of which there are `count`, from 0 on.
+pub(crate) fn beyond(kind: &str, number: u32, count: usize) -> String {
+    match count {
+        0 => format!("there is no {kind} {number}, and no other one"),
+        1 => format!("there is no {kind} {number}, only 0"),
+        _ => format!("there is no {kind} {number}, only 0 to {}", count - 1),
+    }
+}
+
 /// One sentence that refuses the name `given` of a `kind` of thing (`"method"`, `"scene"`),
 /// suggests the nearest known name if there is one, and lists the known ones.
 ///

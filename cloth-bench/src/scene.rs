@@ -75,6 +75,8 @@ pub struct Scene {
     pub order: Option<cloth_core::method::ordering::Order>,
     /// What is seldom meant of what it was built from, a sentence each.
     pub hints: Vec<String>,
+    /// Where its file has each event, and the time (s) of that.
+    pub event_times: Vec<(String, Real)>,
     /// What its file says of methods, by the names of these.
     pub methods: Vec<(&'static str, Settings)>,
 }
@@ -105,6 +107,7 @@ impl Scene {
             added_masses: Vec::new(),
             order: None,
             hints: Vec::new(),
+            event_times: Vec::new(),
             methods: Vec::new(),
         }
     }
@@ -260,6 +263,13 @@ impl Scene {
     pub fn is_hard(&self) -> bool {
         let springs = self.model.all_springs();
         springs.map(|s| s.stiffness).any(Real::is_infinite)
+    }
+
+    /// Whether some of them are links.
+    pub(crate) fn has_hard_links(&self) -> bool {
+        let is_hard = |spring: &Spring| spring.stiffness.is_infinite();
+        let hard = |family: &Elements| matches!(family, Elements::Links(links) if links.iter().any(is_hard));
+        self.model.others.iter().any(hard)
     }
 
     /// The elastic energy; hard constraints store none.

@@ -240,7 +240,7 @@ fn simulate(
     if let Some(warning) = method.contact_warning(scene) {
         eprintln!("warning: {warning}");
     }
-    for warning in scene.start_warnings() {
+    for warning in scene.start_warnings(dt, steps) {
         eprintln!("warning: {warning}");
     }
     let mut state = scene.start.clone();

@@ -75,13 +75,18 @@ impl Scene {
         Ok(())
     }
 
-    /// What a user should know of the start, a sentence each.
-    pub(crate) fn start_warnings(&self) -> Vec<String> {
+    /// What a user should know before so many steps of `dt` (s), a sentence each.
+    pub(crate) fn start_warnings(&self, dt: Real, steps: u32) -> Vec<String> {
         let mut warnings: Vec<String> = self.border_warning().into_iter().collect();
         if self.model.particles.free_count() == 0 && self.changes.is_empty() {
             warnings.push("all vertices are held, for ever: nothing can move by itself".into());
         }
         warnings.extend_from_slice(&self.hints);
+        let end = dt * Real::from(steps);
+        let late = self.event_times.iter().filter(|(_, time)| *time >= end);
+        warnings.extend(late.map(|(place, time)| {
+            format!("{place}at {time} s, but the run ends with step {steps}, at {end} s: it does not happen")
+        }));
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
         warnings.extend(touch.flat_map(ContactSetup::overlap_warnings));
         warnings

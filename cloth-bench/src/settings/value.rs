@@ -143,7 +143,7 @@ impl Value for [Real; 2] {
 }
 
 impl Value for Vec3 {
-    const KIND: &'static str = "three finite numbers such as [0, 0, 1]";
+    const KIND: &'static str = "three finite numbers such as [1, 2, 3]";
 
     fn read(value: &DeValue<'_>) -> Option<Self> {
         <[Real; 3]>::try_from(list(value)?).ok().map(Self::from)

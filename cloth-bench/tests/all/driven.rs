@@ -97,7 +97,7 @@ fn what_cannot_be_driven_or_released_is_refused() {
         (
             "obstacle = 0",
             "obstacle = 1",
-            "line 13: there is no obstacle 1: there are 1, from 0 on",
+            "line 13: there is no obstacle 1, only 0",
         ),
         ("obstacle = 0\n", "", "a drive needs an obstacle"),
         (

@@ -228,6 +228,12 @@ fn events_that_cannot_be_are_refused_with_their_line() {
             "needs one of the keys select, vertices and box",
         ),
         (
+            "two-choices",
+            event("grab", 1, "vertices = [3]\nselect = \"corners\"\n"),
+            6,
+            "takes only one of the keys select, vertices and box",
+        ),
+        (
             "free",
             event("drag", 1, "vertices = [3]\nmove = [1, 0, 0]\n"),
             6,

@@ -158,9 +158,10 @@ fn events_after_the_end_and_free_falls_are_told() {
              select = \"corners\"\n"
         )
     };
-    assert!(!says("in-time", &event(0.99), "it does not happen"));
-    let words = "line 6: [[event]]: at 1 s, but the 60 steps of";
-    assert!(says("too-late", &event(1.0), words));
+    // Of the steps of the command line, not of the file.
+    assert!(!says("in-time", &event(0.01), "it does not happen"));
+    let words = "line 6: [[event]]: at 0.99 s, but the run ends with step 1,";
+    assert!(says("too-late", &event(0.99), words));
     let falls = "it falls freely all along";
     assert!(says("free-fall", SHEET, falls));
     for more in [

@@ -190,7 +190,7 @@ impl<'a> Sections<'a> {
         scene
             .hints
             .extend(hints::of_rotations(&self.meshes, &self.obstacles)?);
-        scene.hints.extend(hints::of_events(&self.events, &scene)?);
+        scene.event_times = hints::event_times(&self.events)?;
         scene.hints.extend(hints::of_sizes(&scene));
         if self.falls_freely() && gravity != Vec3::zeros() {
             scene.hints.push(

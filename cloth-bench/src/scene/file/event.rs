@@ -4,6 +4,7 @@ use super::document::Section;
 use super::keys::{Deed, Event, Obstacle, Selection, Way};
 use super::pins;
 use crate::error::BenchError;
+use crate::names;
 use crate::scene::{Change, ChangeKind, ContactSetup};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -126,16 +127,13 @@ pub(super) fn of_bodies(
         ] {
             key.refuse_given("for a drive")?;
         }
-        let number = (*own.obstacle)
-            .ok_or_else(|| section.refuse_table("a drive needs an obstacle"))?
-            as usize;
+        let number = *own.obstacle;
+        let number = number.ok_or_else(|| section.refuse_table("a drive needs an obstacle"))?;
         let wrong = |why: String| Err(own.obstacle.refuse(why));
-        if number >= obstacles.len() {
-            return wrong(format!(
-                "there is no obstacle {number}: there are {}, from 0 on",
-                obstacles.len()
-            ));
+        if number as usize >= obstacles.len() {
+            return wrong(names::beyond("obstacle", number, obstacles.len()));
         }
+        let number = number as usize;
         let body = match touch.rigid_body(number) {
             None => return wrong(format!("the files of obstacle {number} say how it moves")),
             Some(body) if touch.is_free(body) => {

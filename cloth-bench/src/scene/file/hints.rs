@@ -35,21 +35,13 @@ pub(super) fn of_rotations(
         .collect())
 }
 
-/// Of events after the end.
-pub(super) fn of_events(events: &[Section<'_>], scene: &Scene) -> Result<Vec<String>, BenchError> {
-    let end = scene.dt * Real::from(scene.steps);
-    let mut late = Vec::new();
-    for section in events {
+/// Where the file has each event, and its time (s).
+pub(super) fn event_times(events: &[Section<'_>]) -> Result<Vec<(String, Real)>, BenchError> {
+    let time = |section: &Section<'_>| {
         let time = section.read::<Event>()?.time(section)?;
-        if time >= end {
-            let place = section.place();
-            late.push(format!(
-                "{place}at {time} s, but the {} steps of {} s end at {end} s: it does not happen",
-                scene.steps, scene.dt
-            ));
-        }
-    }
-    Ok(late)
+        Ok((section.place(), time))
+    };
+    events.iter().map(time).collect()
 }
 
 /// Of a cloth that is hundreds of times as large as all bodies.

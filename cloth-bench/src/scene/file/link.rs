@@ -3,6 +3,7 @@
 use super::document::Section;
 use super::keys::Link;
 use crate::error::BenchError;
+use crate::names;
 use cloth_core::cloth::Elements;
 use cloth_core::energy::{Spring, StrainLimitSpring};
 use cloth_core::math::{Real, Vec3};
@@ -29,14 +30,11 @@ pub(super) fn links(
         return Err(own.meshes.refuse(message));
     };
     let piece = |number: u32| {
-        let number = Some(number as usize).filter(|&n| n < counts.len());
-        let number = number.ok_or_else(|| {
-            let message = format!(
-                "there is no mesh {first} or {second}, only 0 to {}",
-                counts.len() - 1
-            );
-            own.meshes.refuse(message)
-        })?;
+        if number as usize >= counts.len() {
+            let message = names::beyond("mesh", number, counts.len());
+            return Err(own.meshes.refuse(message));
+        }
+        let number = number as usize;
         let start = counts[..number].iter().sum();
         Ok::<_, BenchError>(start..start + counts[number])
     };

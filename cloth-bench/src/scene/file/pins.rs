@@ -58,7 +58,10 @@ pub(super) fn chosen(
             }
             Ok(found)
         }
-        _ => Err(section.refuse_table("needs one of the keys select, vertices and box")),
+        (None, None, None) => {
+            Err(section.refuse_table("needs one of the keys select, vertices and box"))
+        }
+        _ => Err(section.refuse_table("takes only one of the keys select, vertices and box")),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::document::Section;
 use super::keys;
 use crate::error::BenchError;
+use crate::names;
 use crate::scene::contact::{PieceContact, Surface};
 use crate::settings::{Settings, Table};
 use cloth_core::mesh::TriMesh;
@@ -51,10 +52,7 @@ fn others(section: &Section<'_>, count: usize) -> Result<impl Iterator<Item = u3
     let own = section.read::<keys::PieceContact>()?;
     let numbers = (*own.exclude).clone().unwrap_or_default();
     match numbers.iter().find(|&&number| number as usize >= count) {
-        Some(number) => Err(own.exclude.refuse(format!(
-            "there is no mesh {number}, only 0 to {}",
-            count - 1
-        ))),
+        Some(&number) => Err(own.exclude.refuse(names::beyond("mesh", number, count))),
         None => Ok(numbers.into_iter()),
     }
 }

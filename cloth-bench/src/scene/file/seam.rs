@@ -6,6 +6,7 @@ use super::document::Section;
 use super::keys::Seam;
 use super::material::Material;
 use crate::error::BenchError;
+use crate::names;
 use crate::scene::{Change, ChangeKind, Scene};
 use crate::settings::Setting;
 use chain::Chain;
@@ -105,10 +106,7 @@ impl<'a> Borders<'a> {
     /// The vertices of one side, in the numbers of the joined mesh.
     fn chain(&self, own: &Seam, mesh: u32, keys: [&Numbers; 2]) -> Result<Chain, BenchError> {
         let Some(piece) = self.pieces.get(mesh as usize) else {
-            let message = format!(
-                "there is no mesh {mesh}, only 0 to {}",
-                self.pieces.len() - 1
-            );
+            let message = names::beyond("mesh", mesh, self.pieces.len());
             return Err(own.meshes.refuse(message));
         };
         let [list, border] = keys;
