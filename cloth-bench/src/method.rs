@@ -159,6 +159,10 @@ impl Method {
                 " (that is pbd's own, with any settings: what its sweeps leave of a stretch has no force behind it; \
                  use xpbd)"
             }
+            Kind::LinearImplicit => {
+                " (one linear solve a step can make energy where stiff cloth turns fast; a shorter --dt makes it less, \
+                 and implicit-euler makes none)"
+            }
             _ => "",
         }
     }
