@@ -188,13 +188,16 @@ fn half_a_sinking(density: Real) -> Real {
     0.5 * density * G / (KAPPA * THICKNESS)
 }
 
+/// A closed form, by its name.
+type Form = (&'static str, fn(Real) -> Real);
+
 struct Law {
     name: &'static str,
     title: &'static str,
     x: &'static str,
     y: &'static str,
     /// Closed forms, that of continuous cloth first.
-    exact: &'static [(&'static str, fn(Real) -> Real)],
+    exact: &'static [Form],
     /// In the quick scope and in the full one.
     points: [&'static [Real]; 2],
     measure: fn(&str, Real) -> Result<Measured, BenchError>,
