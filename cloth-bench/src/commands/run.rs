@@ -173,6 +173,16 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         )));
     }
     let steps = arguments.steps.unwrap_or(scene.steps);
+    let is_png = |file: &&PathBuf| {
+        file.extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("png"))
+    };
+    if let Some(file) = arguments.picture.as_ref().filter(|file| !is_png(file)) {
+        return Err(BenchError::Usage(format!(
+            "--picture is a PNG file, so {} has to end in .png",
+            file.display()
+        )));
+    }
     if arguments.picture.is_some() || arguments.export.is_some() {
         scene.mesh.as_ref().ok_or_else(|| {
             BenchError::Usage(format!(

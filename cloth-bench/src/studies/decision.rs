@@ -89,7 +89,11 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             contact,
         });
     }
-    study.findings.section.verdict = Some(verdict(&rows));
+    let small = study.scope.pick(
+        "Of small sheets (--quick), where the fastest are others than of large ones:\n",
+        "",
+    );
+    study.findings.section.verdict = Some(small.to_owned() + &verdict(&rows));
     study.findings.data("decision", data(&rows));
     let memory = format!("memory of {}", scale::WITHOUT);
     let memory = study.case(&memory, || measure::hopeless_memory(scope));

@@ -148,10 +148,14 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let most = table.iter().map(|row| row.vertices_a_side).max();
     let there = table.iter().filter(|row| Some(row.vertices_a_side) == most);
     let there = there.map(|row| row.method).join(", ");
-    study.section.verdict = most.map(|side| {
-        format!(
+    let is_last = most == scope.of(SIDES).iter().copied().max();
+    study.section.verdict = most.map(|side| match is_last {
+        true => format!(
+            "The largest sheet that was tried, {side} × {side} vertices, is within the reach of {there}."
+        ),
+        false => format!(
             "The largest sheet that any method gets through has {side} × {side} vertices: {there}."
-        )
+        ),
     });
     Ok(())
 }

@@ -47,6 +47,8 @@ fn a_picture_is_seen_from_where_one_wants() {
     assert!(above > 0.5 && along < 0.1, "{above} {along}");
     assert_eq!(along, long);
     let run = ["run", "drop", "--n", "9", "--method", "pd", "--steps", "1"];
+    let named = [&run[..], &["--picture", "look.jpg"]].concat();
+    refused(&named, 2, &["look.jpg has to end in .png"]);
     for look in ["0,0", "0,0,0", "0,nan,1", "inf,0,0", "up"] {
         let wrong = [&run[..], &["--picture", "look.png", "--look", look]].concat();
         refused(

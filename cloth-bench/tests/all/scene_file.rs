@@ -559,3 +559,27 @@ fn an_animation_carries_cloth() {
         "{told}"
     );
 }
+
+#[test]
+fn a_key_of_another_table_is_told_where_it_can_stand() {
+    for (text, place) in [
+        (
+            "[[mesh]]\ngravity = [0, 0, -1]\n",
+            "; it can stand before all tables",
+        ),
+        (
+            "stiffness = 3\n[[mesh]]\ngenerator = \"disk:3\"\n",
+            "in [cloth]",
+        ),
+        ("[cloth]\nstifness = 3\n", "`stiffness`"),
+    ] {
+        let error = file::build(&written("elsewhere", text), &Settings::default()).unwrap_err();
+        let told = error.to_string();
+        assert!(told.contains(place), "{told}");
+        assert_eq!(
+            told.contains("it can stand"),
+            place != "`stiffness`",
+            "{told}"
+        );
+    }
+}

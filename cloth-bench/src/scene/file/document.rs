@@ -1,6 +1,6 @@
 //! A TOML document whose values know their lines.
 
-use super::keys::SectionInfo;
+use super::keys::{SECTIONS, SectionInfo};
 use crate::error::BenchError;
 use crate::names;
 use crate::settings::{Settings, Table};
@@ -83,7 +83,7 @@ impl<'a> Section<'a> {
                     head => format!("key of {head}"),
                 };
                 let message = names::unknown(&kind, key.get_ref(), &known);
-                Err(document.refuse(key.span(), message))
+                Err(document.refuse(key.span(), message + &elsewhere(key.get_ref())))
             }
         }
     }
@@ -139,5 +139,24 @@ impl<'a> Section<'a> {
                 None => settings,
             }
         })
+    }
+}
+
+/// Where a key can stand that is not known where it does, to be said behind that.
+fn elsewhere(key: &str) -> String {
+    let has_it = |section: &&SectionInfo| {
+        let mut keys = section.keys.iter().copied().flatten();
+        keys.any(|parameter| parameter.name == key)
+    };
+    let heads = SECTIONS.iter().filter(has_it).map(|section| section.head);
+    let places: Vec<String> = heads
+        .map(|head| match head {
+            "" => "before all tables".into(),
+            head => format!("in {head}"),
+        })
+        .collect();
+    match places.is_empty() {
+        true => String::new(),
+        false => format!("; it can stand {}", places.join(", ")),
     }
 }
