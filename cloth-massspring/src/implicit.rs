@@ -127,8 +127,8 @@ use stage::Stage;
 /// [`StepError::LineSearchStalled`] where no lower point is found though the gradient is more than a hundred times what
 /// rounding explains; [`StepError::NotPositiveDefinite`] under [`HessianPolicy::Always`](crate::HessianPolicy::Always)
 /// of a Hessian that may be indefinite, with an energy of the caller's whose clamped Hessian is, or where an iterative
-/// solver loses a nearly singular matrix to rounding, unless Newton's method has only taken over;
-/// [`StepError::NonFinite`] where numbers overflow.
+/// solver loses a nearly singular matrix to rounding, unless Newton's method has taken over where the quasi-Newton
+/// method was stuck; [`StepError::NonFinite`] where numbers overflow.
 #[derive(Debug)]
 pub struct ImplicitEuler(Implicit);
 
