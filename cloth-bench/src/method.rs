@@ -263,7 +263,7 @@ impl Method {
             Kind::Pd => "it would be in its constant matrix",
             _ => "it is built on the elastic energy and its derivatives, which would be infinite",
         };
-        let what = match scene.has_hard_links() {
+        let what = match scene.is_hard_by_links() {
             true => {
                 "links without a finite stiffness, which is what [[link]] has unless it says one"
             }

@@ -265,11 +265,14 @@ impl Scene {
         springs.map(|s| s.stiffness).any(Real::is_infinite)
     }
 
-    /// Whether some of them are links.
-    pub(crate) fn has_hard_links(&self) -> bool {
-        let is_hard = |spring: &Spring| spring.stiffness.is_infinite();
-        let hard = |family: &Elements| matches!(family, Elements::Links(links) if links.iter().any(is_hard));
-        self.model.others.iter().any(hard)
+    /// Whether they are links alone, if there are any.
+    pub(crate) fn is_hard_by_links(&self) -> bool {
+        let own = self.model.others.iter().filter_map(|family| match family {
+            Elements::Springs(springs) => Some(&springs[..]),
+            _ => None,
+        });
+        let springs = own.flatten().chain(&self.model.springs);
+        !springs.map(|s| s.stiffness).any(Real::is_infinite)
     }
 
     /// The elastic energy; hard constraints store none.

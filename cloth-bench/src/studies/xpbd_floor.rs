@@ -19,6 +19,8 @@ pub(super) const STUDY: Study = Study {
 /// Links of the chain, and sweeps: a stiff chain of N links keeps cos²(π/2N) of its error per sweep, so this leaves
 /// rounding.
 const LINKS: u32 = 10;
+/// Length of a link (m).
+const LINK: Real = 0.1;
 const SWEEPS: u32 = 8000;
 /// When the step is taken (s).
 const TIME: Real = 0.3;
@@ -134,8 +136,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 }
 
 /// The chain, with links of stiffness `k` (N/m).
-fn chain(k: Real) -> Result<Scene, BenchError> {
-    let settings = format!("n={LINKS} link=0.1 mass=0.1 tip_mass=0.1 stiffness={k}");
+pub fn chain(k: Real) -> Result<Scene, BenchError> {
+    let settings = format!("n={LINKS} link={LINK} mass=0.1 tip_mass=0.1 stiffness={k}");
     scene::build("chain", None, &Settings::of(&settings))
 }
 
@@ -153,9 +155,8 @@ fn by_sweeps(study: &mut StudyRun<'_>) {
         },
     );
     let both = rows.iter().flat_map(|&((k, sweeps), swept)| {
-        let link = 0.1; // m
         [
-            ("|C + α̃λ| over the length", swept.residual / link),
+            ("|C + α̃λ| over the length", swept.residual / LINK),
             ("momentum residual", swept.momentum),
         ]
         .map(|(name, left)| (format!("{name}, k = {k}"), (Real::from(sweeps), left)))

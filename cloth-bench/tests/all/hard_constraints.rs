@@ -70,15 +70,20 @@ fn other_methods_and_other_elements_are_refused_with_a_reason() {
     }
     let linked = "[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n\
                   [[link]]\nmeshes = [0, 0]\nfirst = [0]\nsecond = [4]\n";
-    let scene = read("linked", linked).unwrap();
-    let built = Method::find("pd")
-        .unwrap()
-        .build(&scene, &Settings::default(), scene.dt);
-    let said = built.err().unwrap().to_string();
-    assert!(
-        said.contains("`pd` cannot take links without a finite stiffness"),
-        "{said}"
-    );
+    for (cloth, words) in [
+        ("", "links without a finite stiffness"),
+        ("[cloth]\nstiffness = inf\n", "stiffness=inf: "),
+    ] {
+        let scene = read("linked", &format!("{linked}{cloth}")).unwrap();
+        let built = Method::find("pd")
+            .unwrap()
+            .build(&scene, &Settings::default(), scene.dt);
+        let said = built.err().unwrap().to_string();
+        assert!(
+            said.contains(&format!("`pd` cannot take {words}")),
+            "{said}"
+        );
+    }
     for other in [
         "membrane = \"stvk\"",
         "shear = 10",

@@ -1,8 +1,6 @@
 //! What converged sweeps of XPBD leave of a step.
 
-use cloth_bench::scene;
-use cloth_bench::settings::Settings;
-use cloth_bench::studies::xpbd_floor::{floor, sweep};
+use cloth_bench::studies::xpbd_floor::{chain, floor, sweep};
 use cloth_bench::yardstick::StepProblem;
 
 /// Where every constraint says its multiplier, the balance of momentum that these leave is the gradient of G, found
@@ -10,9 +8,7 @@ use cloth_bench::yardstick::StepProblem;
 #[test]
 fn all_that_converged_sweeps_leave_is_momentum() {
     for stiffness in [200.0, 1e4] {
-        let settings = format!("n=10 link=0.1 mass=0.1 tip_mass=0.1 stiffness={stiffness}");
-        let chain = scene::build("chain", None, &Settings::of(&settings)).unwrap();
-        let found = floor(&chain, 1.0 / 60.0).unwrap();
+        let found = floor(&chain(stiffness).unwrap(), 1.0 / 60.0).unwrap();
         assert!(found.gradient > 1e-4, "{found:?}");
         assert!(
             (found.momentum / found.gradient - 1.0).abs() < 1e-6,
@@ -28,8 +24,7 @@ fn all_that_converged_sweeps_leave_is_momentum() {
 #[test]
 fn sweeps_solve_the_constraints_and_leave_the_momentum() {
     let dt = 1.0 / 60.0;
-    let settings = "n=10 link=0.1 mass=0.1 tip_mass=0.1 stiffness=1e4";
-    let chain = scene::build("chain", None, &Settings::of(settings)).unwrap();
+    let chain = chain(1e4).unwrap();
     let problem = StepProblem::after(&chain, 18, dt).unwrap();
     let after = |sweeps| sweep(&problem, &chain, dt, sweeps).unwrap();
     let [one, some, more, all] = [1, 10, 100, 1000].map(after);
