@@ -142,9 +142,9 @@
 //! So few iterations leave two errors: folds are missing ([limits](#limits)), and the sheet falls too slowly. *Why:*
 //! with p held the cloth is a net whose springs resist turning as they resist stretch. A smooth displacement d under a
 //! force f per area has `m_A d/Δt² − 2 k ∇²d = f` there, so a pull is felt over a length of √(2k/m_A) Δt, 5.3 m for the
-//! hanging sheet. At x̃ the pins stretch their springs, and by that the first global steps lift the whole sheet, in the
-//! sixteenth step above the minimum. For what only turns springs a mass m is then m + κ Δt²: j iterations take back 1 −
-//! 0.9991ʲ of such an error of a wavelength of 1 m, ten of them 1 %. Three accelerations use the same matrix:
+//! hanging sheet. At x̃ the pins stretch their springs, and by that the first global steps lift the whole sheet. For what
+//! only turns springs a mass m is then m + κ Δt²: j iterations take back 1 − 0.9991ʲ of such an error of a wavelength of
+//! 1 m, ten of them 1 %. Three accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from a number
 //!   ρ, in theory the plain iteration's spectral radius (`chebyshev.rs`). The 0.9995 of the [table](#iterations) is
