@@ -172,7 +172,7 @@ fn corners_of_a_sheet_on_a_box_come_down_without_diagonals_whatever_the_step() {
     let scene = scene.display().to_string();
     let falls = |edges: &str, frequency: u32| {
         let dt = (1.0 / f64::from(frequency)).to_string();
-        let steps = (frequency * 3 / 2).to_string();
+        let steps = frequency.to_string();
         let time = ["--dt", &dt, "--steps", &steps, "--threads", "1"];
         let method = ["run", &scene, "--method", "implicit-euler", "--set", edges];
         told(&[&method[..], &time].concat())["center_of_mass_drop"]

@@ -126,7 +126,7 @@ fn tangled_start_is_refused_unless_it_shall_be_pulled_apart() {
 /// A sheet that starts in a body, above another one that it does not touch.
 fn in_bodies() -> [(&'static str, String); 4] {
     let sheet =
-        "steps = 80\ndt = 0.01\n[[mesh]]\ngenerator = \"grid:17x17:alternating\"\nscale = 0.6\n";
+        "steps = 40\ndt = 0.01\n[[mesh]]\ngenerator = \"grid:17x17:alternating\"\nscale = 0.6\n";
     let more = "[contact]\nself = true\nuntangle = true\n";
     let below = "[[obstacle]]\nshape = \"box\"\nsize = [2, 2, 0.1]\nposition = [0, 0, -0.5]\n";
     let wall = [[0.0, -0.9, -0.1], [0.0, 0.9, -0.1], [0.03, 0.0, 0.9]];

@@ -8,7 +8,7 @@ use cloth_bench::scene::{self, file};
 use cloth_bench::settings::Settings;
 
 /// A towel that hangs over a rail, 0.6 m on one side and 0.4 m on the other, above a floor.
-const TOWEL: &str = "[[mesh]]\ngenerator = \"grid:41x17:alternating\"\ntranslate = [-0.4, -0.2, 0.026]\n\
+const TOWEL: &str = "[[mesh]]\ngenerator = \"grid:31x13:alternating\"\ntranslate = [-0.4, -0.2, 0.026]\n\
     scale = [1, 0.4, 1]\n[cloth]\ndensity = 0.35\n\
     [[obstacle]]\nshape = \"capsule\"\nradius = 0.02\nlength = 0.8\nrotate = [1.5707963267948966, 0, 0]\n\
     [[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -1]\n\
@@ -102,20 +102,15 @@ fn stiff_cloth_lands_in_long_steps_as_soft_cloth_does() {
 }
 
 /// A handkerchief on the corner of a table is on the verge of sliding off. A step of 1/60 s to a thousandth of the
-/// forces holds it there for good; to less, it has gone after a second.
+/// forces holds it there for good; to less, it has gone after a second, as far as to 1e-5: 0.8667 m (`run
+/// cloth-bench/scenes/handkerchief.toml --method implicit-euler --set tolerance=1e-5 --steps 60`).
 #[test]
 fn handkerchief_slides_off_its_corner() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/handkerchief.toml");
     let scene = file::build(file.as_ref(), &Settings::default()).unwrap();
     let method = Method::find("implicit-euler").unwrap();
-    let falls = ["tolerance=1e-3", "tolerance=1e-5"].map(|tolerance| {
-        let settings = Settings::parse(&[tolerance]).unwrap();
-        let run = run::from_start(&scene, method, &settings, scene.dt, 60, |_, _, _| Ok(()));
-        run.unwrap().0.center_of_mass_drop
-    });
-    let [default, exact] = falls;
-    assert!(
-        default > 0.8 && (default / exact - 1.0).abs() < 0.15,
-        "{falls:?}"
-    );
+    let settings = Settings::default();
+    let run = run::from_start(&scene, method, &settings, scene.dt, 60, |_, _, _| Ok(()));
+    let fall = run.unwrap().0.center_of_mass_drop;
+    assert!((fall / 0.8667 - 1.0).abs() < 0.05, "{fall} m");
 }

@@ -129,7 +129,7 @@ fn wind_gives_the_same_bits_with_any_number_of_threads() {
                 "--method",
                 method,
                 "--steps",
-                "5",
+                "2",
                 "--json",
                 "--threads",
                 threads,
