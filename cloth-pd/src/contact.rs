@@ -23,6 +23,13 @@
 //! force that is added to the right-hand side of the constant matrix. Forces are −∇C at the iterate, so they change in
 //! every iteration with x.
 //!
+//! *The Hessian.* Of ψ(d(x)) it is `ψ″ J Jᵀ + ψ′ ∇²d`, J = ∇d. The first term has k = ψ″ ≥ 0 (κ_c, or ¼ κ_c h²/d²
+//! within the barrier, times the area). The second is left out: ψ′ ≤ 0, so where the distance curves, as around a
+//! corner, it has negative eigenvalues. Without it the direction is only an approximation of Newton's, but positive
+//! definite, so it leads down, and the gradient, which decides where the iteration ends, is whole. Friction is μ λ
+//! f(‖u‖) with u linear in x; its second derivatives are μ λ f″ along u and μ λ f′/‖u‖ across it in the plane, both ≥
+//! 0: μ λ/ε below ε, and 0 and μ λ/‖u‖ beyond it.
+//!
 //! *Friction.* λ and the plane are set in `begin` and kept, so `G + C` is one function in all iterations of a step, and
 //! each accepted iterate is lower, but for rounding: lagging takes nothing from the convergence within a step. λ is not
 //! iterated. So ‖f‖ ≤ μ λ holds exactly, converged or not, for the λ of the start; for that of the end it is wrong by μ

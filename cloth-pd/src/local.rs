@@ -1,27 +1,37 @@
 //! The local step: every element on its own projects `z = S x` to the nearest point `p` of its set, which gives the
 //! forces on its vertices.
 //!
-//! *A spring, a curved hinge.* p = r z/‖z‖. At z = 0 every point of the sphere is as near; p is then r times a unit
+//! *A spring, a curved hinge.* ‖z − p‖ ≥ |‖z‖ − r| for every p of length r (triangle inequality), with equality for
+//! p = r z/‖z‖. So `½ w ‖z − p‖² = ½ w (‖z‖ − r)²`, Hooke's law, and the gradient `w (z − p) = w (‖z‖ − r) z/‖z‖`
+//! is the tension of the spring. At z = 0 every point of the sphere is as near; p is then r times a unit
 //! vector that the numbers of two vertices give ([`length_and_direction`](cloth_core::math::length_and_direction)).
 //!
-//! *A hinge* has the q and w of the [crate page](crate#idea). What each triangle adds to Σ qᵢ xᵢ is a vector of length
-//! e, that of the edge, at right angles to it, from the tip to the edge; in a flat hinge the two cancel, and with a
-//! fold θ 2 e sin(θ/2) is left. Of the areas A₀ and A₁ of its triangles a third is the edge's, `a = (A₀ + A₁)/3`: e θ/a
-//! is a curvature, and `½ (D/3) (e θ/a)² a = ½ D (e θ)²/(A₀ + A₁)` gives w, with D/3 so that a cylinder of equilateral
-//! triangles stores ½ D κ² per area ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge) has each step, after Bergou
-//! et al. 2006, whose K₀ is q).
+//! *A hinge* has the q and w of the [crate page](crate#idea). Its first triangle adds cot α₁ (x₀ − x₂) + cot α₀ (x₁ −
+//! x₂) to Σ qᵢ xᵢ. The height h of the tip x₂ over the edge meets it at b, at h cot α₀ from x₀ and h cot α₁ from x₁, so
+//! e = h (cot α₀ + cot α₁) and b = (h cot α₁ x₀ + h cot α₀ x₁)/e: what it adds is (e/h) (b − x₂), a vector of length e,
+//! that of the edge, at right angles to it, from the tip to the edge. The other adds the like from its own tip. In a
+//! flat hinge the two cancel, and with a fold θ the angle between them is π − θ, so 2 e sin(θ/2) is left. Of the areas
+//! A₀ and A₁ of its triangles a third is the edge's, `a = (A₀ + A₁)/3`: e θ/a is a curvature, and
+//! `½ (D/3) (e θ/a)² a = ½ D (e θ)²/(A₀ + A₁)` gives w, with D/3 so that a cylinder of equilateral triangles stores ½ D
+//! κ² per area ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge) has each step, after Bergou et al. 2006, whose
+//! K₀ is q).
 //!
 //! *Nearest to F = U Σ Vᵀ* is p = U clamp(Σ) Vᵀ: ‖F − p‖² = ‖F‖² − 2 F:p + ‖p‖², and F:p ≤ Σ σᵢ(F) σᵢ(p) (von Neumann),
-//! with equality for p with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F of
-//! a triangle is 3 × 2, so there are no reflections to exclude: what is turned over in space is a rotation.
+//! with equality for p with the singular vectors of F. For two singular values: with p = Σ τⱼ aⱼ bⱼᵀ, F:p = Σᵢⱼ σᵢ τⱼ
+//! (uᵢ·aⱼ)(vᵢ·bⱼ) ≤ Σᵢⱼ σᵢ τⱼ Dᵢⱼ, Dᵢⱼ = ½ ((uᵢ·aⱼ)² + (vᵢ·bⱼ)²). A row or column of D adds up to at most 1, as the uᵢ,
+//! aⱼ, vᵢ and bⱼ are orthonormal. Put σ₁ = σ₂ + α and τ₁ = τ₂ + β with α, β ≥ 0: the sum is αβ D₁₁ + α τ₂ (D₁₁ + D₁₂) +
+//! β σ₂ (D₁₁ + D₂₁) + σ₂ τ₂ Σ D ≤ αβ + α τ₂ + β σ₂ + 2 σ₂ τ₂ = σ₁ τ₁ + σ₂ τ₂. Then ‖F − p‖² ≥ Σ (σᵢ − τᵢ)², and what is
+//! left is one clamp per σᵢ, which keeps their order; limits [1, 1] give U Vᵀ. F of a triangle is 3 × 2, so there are
+//! no reflections to exclude: what is turned over in space is a rotation.
 //!
 //! *A tetrahedron* (`project` of [`ArapTetrahedron`](cloth_core::energy::ArapTetrahedron)) has F of 3 × 3, and its p
 //! must be a rotation: with plain singular values U Vᵀ would be a reflection where det F < 0, and a tetrahedron turned
 //! inside out would be at rest. So U and V are taken as rotations, and the smallest singular value gets the sign of det
 //! F: σ₁ ≥ σ₂ ≥ |σ₃|. Then U Vᵀ is the nearest rotation: F:p = Σ σᵢ rᵢᵢ with the rotation r = Uᵀ p V. The diagonal of a
-//! rotation is a mean of (1, 1, 1), (1, −1, −1), (−1, 1, −1) and (−1, −1, 1), and of these the first has the largest
-//! sum, by 2 (σ₂ + σ₃) at least; it is that of r = I. `½ w Σ (σᵢ − 1)²` with σ₃ < 0 then pushes the tetrahedron back
-//! through σ₃ = 0. p is unique where σ₂ + σ₃ > 0.
+//! rotation with the unit quaternion (a, b, c, d) is (a² + b² − c² − d², a² − b² + c² − d², a² − b² − c² + d²), a mean
+//! of (1, 1, 1), (1, −1, −1), (−1, 1, −1) and (−1, −1, 1) with the weights a², b², c² and d². Of these the first has
+//! the largest Σ σᵢ rᵢᵢ, by 2 (σ₂ + σ₃) at least; it is that of r = I. `½ w Σ (σᵢ − 1)²` with σ₃ < 0 then pushes the
+//! tetrahedron back through σ₃ = 0. p is unique where σ₂ + σ₃ > 0.
 //!
 //! *A triangle* (`project` of [`ArapTriangle`](cloth_core::energy::ArapTriangle) and
 //! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)): the singular values of F = (f, g), 3 × 2, by one
@@ -62,6 +72,23 @@
 //! | limit of a spring, c = clamp(‖z‖) | 0 along z within the range, 1 beyond it; 1 − c/‖z‖ across it, twice |
 //! | limit of a triangle, c = clamp(σ) | 0 or 1 likewise for each σₖ; 1 − (c₁ + c₂)/(σ₁ + σ₂), 1 − (c₁ − c₂)/(σ₁ − σ₂), 1 − cₖ/σₖ |
 //! | a point (flat hinge, attachment) | 1 |
+//!
+//! *Why.* On a sphere ∂p/∂z = (r/‖z‖) (I − n nᵀ), n = z/‖z‖; beyond the range of a limit c in the place of r, and
+//! within it p = z, so I − ∂p/∂z = 0 (in the table c = ‖z‖). A set of maps is the same after a rotation Q of space or R
+//! of the rest shape, so p(QF) = Q p(F) and p(FR) = p(F) R. Turned by a small angle δ, F = Σ σₖ uₖ vₖᵀ and p = Σ cₖ uₖ
+//! vₖᵀ change by
+//! ```text
+//! in space, from u₁ to u₂       dF = δ (σ₁ u₂ v₁ᵀ − σ₂ u₁ v₂ᵀ),  dp = δ (c₁ u₂ v₁ᵀ − c₂ u₁ v₂ᵀ)
+//! at rest, from v₁ to v₂        dF = δ (σ₁ u₁ v₂ᵀ − σ₂ u₂ v₁ᵀ),  dp = δ (c₁ u₁ v₂ᵀ − c₂ u₂ v₁ᵀ)
+//! their difference              dF = δ (σ₁ + σ₂) T,  dp = δ (c₁ + c₂) T,   T = u₂ v₁ᵀ − u₁ v₂ᵀ, a turn
+//! their sum                     dF = δ (σ₁ − σ₂) Z,  dp = δ (c₁ − c₂) Z,   Z = u₂ v₁ᵀ + u₁ v₂ᵀ, a shear
+//! out of the plane, uₖ to u₃    dF = δ σₖ u₃ vₖᵀ,  dp = δ cₖ u₃ vₖᵀ        (3 × 2 only)
+//! a stretch                     dF = δ uₖ vₖᵀ,  dp = δ c′(σₖ) uₖ vₖᵀ       c′ is 0 or 1
+//! ```
+//! so each direction is an eigenvector of ∂p/∂z, with the quotient of dp and dF for its eigenvalue. There are as many
+//! of them as F has entries: 1 + 1 + 2 + 2 = 6 for 3 × 2, and T and Z for three pairs and three stretches, 9, for 3 × 3
+//! (with σ₃ < 0 too, as U and V are rotations). Where all cₖ are 1, Z and stretches have 0. At σ₁ = σ₂ the quotient of
+//! Z has the limit c′.
 //!
 //! One below zero belongs to a compressed element, whose energy falls when it turns. For H it is set to zero
 //! ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)), element by element, so each adds a positive

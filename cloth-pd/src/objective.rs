@@ -6,9 +6,10 @@
 //!
 //! `G(x⁺) ≤ Q(x⁺) = G(x) − ½ gᵀ A⁻¹ g`.
 //!
-//! That is descent without a line search, from any x. As `G ≥ 0`, the numbers gᵀA⁻¹g add up to at most 2 `G(x⁰)`: they
-//! tend to 0, and the least of n is at most 2 `G(x⁰)`/n. Near a minimum the rate is linear, by the largest eigenvalue
-//! of I − A⁻¹ ∇²G. What breaks the bound, and what stands in for it:
+//! The last is Q at its minimum, a quadratic function with the Hessian A and the gradient g at x. That is descent
+//! without a line search, from any x. As `G ≥ 0`, the numbers gᵀA⁻¹g add up to at most 2 `G(x⁰)`: they tend to 0, and
+//! the least of n is at most 2 `G(x⁰)`/n. Near a minimum the rate is linear, by the largest eigenvalue of I − A⁻¹ ∇²G.
+//! What breaks the bound, and what stands in for it:
 //!
 //! | | why | instead |
 //! |---|---|---|
@@ -20,6 +21,14 @@
 //! | p not the nearest point, or w that depends on x | Q ≥ `G` or ∇Q = ∇G fails | none: the element is wrong |
 //! | another energy, such as neo-Hookean | its Hessian may exceed A | not taken |
 //! | rounding of `G` | two values agree to 10⁻¹² of their size | the slope decides (`quasi_newton.rs`) |
+//!
+//! *What `G(x[1]) ≤ G(x[0])` says of energy.* With `x[1] = x[0] + Δt v[1]` and weight alone for f_ext = M a,
+//! `G(x[1]) = ½ ‖v[1] − v[0] − Δt a‖²_M + E(x[1])` and `G(x[0]) = ½ ‖v[0] + Δt a‖²_M + E(x[0])`. The squares have the
+//! terms `−Δt (v[1] − v[0])ᵀM a` and `Δt v[0]ᵀM a`, and ½ Δt² aᵀM a in both; so what is left of the inequality is
+//! `½ ‖v[1] − v[0]‖²_M − (x[1] − x[0])ᵀM a + E(x[1]) ≤ ½ ‖v[0]‖²_M + E(x[0])`, and `−xᵀM a` is the energy of gravity:
+//! `W(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ W(x[0]) + ½ ‖v[0]‖²_M`. Where E is convex `G` has a Hessian of at least M/Δt², so
+//! from its minimum `x[1]` it rises by `‖x[0] − x[1]‖²_M/(2Δt²) = ½ ‖v[1]‖²_M` at least to `x[0]`: that stands on the
+//! left too.
 //!
 //! A line search tries twelve lengths. Along −A⁻¹g with bending left out of A, or in air, the last of them is taken
 //! even if `G` rose (`quasi_newton.rs`).

@@ -3,6 +3,18 @@
 //! Systems*, SIAM 2006, <https://doi.org/10.1137/1.9780898718881>, chapters 3 and 4), on threads over independent
 //! subtrees of the elimination tree.
 //!
+//! *The solve.* With `A = L Lᵀ` (rows in the order of the factor) `L y = b` goes forward and `Lᵀ x = y` backward:
+//! `yⱼ = (bⱼ − Σ over k < j of Lⱼₖ yₖ)/Lⱼⱼ`, `xⱼ = (yⱼ − Σ over i > j of Lᵢⱼ xᵢ)/Lⱼⱼ`. Each number of L below the
+//! diagonal is used once in either pass.
+//!
+//! *Why subtrees are independent.* To eliminate vertex j couples all its neighbours of higher number with each other:
+//! that is the fill, and these neighbours are the rows of column j. Let the parent of j be the first of these. The
+//! others are coupled with it, so they are rows of its column too, and by that each row of column j is an ancestor of
+//! j. So two columns neither of which is an ancestor of the other have no number of L in common: Lᵢⱼ = 0, and the
+//! forward pass of disjoint subtrees can go side by side, each with a sum of its own for what it takes from the entries
+//! of common ancestors, and so can the backward pass once these are known.
+//! *Supernodes* are neighbouring columns with the same rows below them, which a dense separator has.
+//!
 //! Where a matrix acts on x, y and z alike, one solve carries all three. Projective dynamics does so in every
 //! iteration with the same factor, and then its layout decides how long an iteration takes: the solve reads every
 //! number of the factor twice and does little with it, a product and a difference for each of x, y and z. So x, y and z

@@ -5,6 +5,17 @@
 //! solve, d = A⁻¹ r (and the coarse correction); then, the oldest first, d ← d + (a − y·d/(s·y)) s (the two-loop
 //! recursion, Nocedal and Wright 2006, algorithm 7.4; `limited_memory.rs` takes the same products in one pass).
 //!
+//! *Why the two loops.* Along s the inverse Hessian B has to turn y into s, as it does where `G` is quadratic. BFGS
+//! changes the B of before into
+//!
+//! `B⁺ = (I − s yᵀ/(s·y)) B (I − y sᵀ/(s·y)) + s sᵀ/(s·y)`.
+//!
+//! B⁺y = s, as the bracket after B is 0 on y. With r′ = r − a y, a = s·r/(s·y), it is rᵀB⁺r = r′ᵀB r′ + (s·r)²/(s·y),
+//! so where s·y > 0 and B is positive definite B⁺ is too: for both terms to vanish r = a y and a = 0, hence r = 0. And
+//! `B⁺r = B r′ + (a − y·(B r′)/(s·y)) s`: a first loop makes r′ with the newest pair outermost, then comes the B before
+//! the oldest pair, A⁻¹, and a second loop adds the rest from the inside out. No matrix is kept. Without pairs it is
+//! the plain iteration.
+//!
 //! *Pairs.* A step begins without any: its x̃, and so its `G`, is another. With pairs of the step before, full steps
 //! were often refused, and the line search had to shorten them. A failed direction clears them too. Armijo's condition
 //! alone does not make yᵀs positive for a step s and its change y of the gradient; [`LimitedMemory`] leaves out a pair
@@ -12,9 +23,10 @@
 //!
 //! *Line search.* Length 1 first; accepted where G has fallen by 10⁻⁴ ([`ARMIJO`]) of length times slope. The next
 //! length is where the parabola through both values and the slope has its minimum, but between a tenth and a half of
-//! the last; twelve are tried. A trial costs one evaluation of `G` and `∇G` (a local step) and no solve, and the
-//! accepted one is the evaluation that the next iteration needs. So an iteration that does not backtrack costs as much
-//! as a plain one, and the products with the pairs.
+//! the last: with the slope g·d < 0 and a rise r of `G` over the length t, `G + (g·d) τ + (r − t g·d) τ²/t²` has it at
+//! `τ = −(g·d) t²/(2 (r − t g·d))`. Twelve are tried. A trial costs one evaluation of `G` and `∇G` (a local step) and
+//! no solve, and the accepted one is the evaluation that the next iteration needs. So an iteration that does not
+//! backtrack costs as much as a plain one, and the products with the pairs.
 //!
 //! *In contact* the direction is that of `newton.rs`, and no pairs are kept. It does not account for contacts that are
 //! not active yet: where cloth is light and soft it can be many times as long as the cloth. Detection then has all of

@@ -4,6 +4,17 @@
 //! column u with `C⁻¹ = 0` is a spring without compliance, the constraint `uᵀx = 0`. M. A. Woodbury, "Inverting
 //! modified matrices", 1950; W. W. Hager, "Updating the inverse of a matrix", SIAM Review 31, 1989,
 //! <https://doi.org/10.1137/1031049>.
+//!
+//! *Why.* Let λ solve `(C⁻¹ + UᵀZ) λ = Uᵀy`, and x = y − Z λ. Then `Uᵀx = Uᵀy − UᵀZ λ = C⁻¹ λ` and A x = b − U λ, so
+//! `(A + U C Uᵀ) x = b − U λ + U C C⁻¹ λ = b`. Where C⁻¹ = 0 the same two equations read Uᵀx = 0 and A x + U λ = b: the
+//! minimum of ½ xᵀAx − bᵀx under that constraint, λ its multipliers. The cost is a column of Z, a solve with A, for
+//! each column of U once (three columns take one solve, as it has x, y and z), and then k products with U and Z a
+//! solve.
+//!
+//! *Columns of a change* (`GlobalSystem` makes them): an attachment of stiffness w at vertex i has u = eᵢ and C = w; an
+//! element that is removed has the rows of S and C = −w; a vertex that is grabbed has u = eᵢ and C⁻¹ = 0. A vertex that
+//! is released has the row of the identity in A and needs a on the diagonal and r beside it: with `U = [eᵢ, r]` and
+//! `C = [[a − 1, 1], [1, 0]]`, `U C Uᵀ = (a − 1) eᵢ eᵢᵀ + eᵢ rᵀ + r eᵢᵀ`, and `C⁻¹ = [[0, 1], [1, 1 − a]]`.
 
 use cloth_core::math::{Real, Vec3};
 

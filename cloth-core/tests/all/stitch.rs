@@ -123,3 +123,27 @@ fn the_energy_of_a_cloth_tells_what_time_has_changed() {
     assert!((energies.timed_value(&x) - 0.5 * K * 0.04).abs() < 1e-14);
     assert!((energies.value(&x) - 0.5 * K * 0.04 - 0.5 * 10.0 * 0.25).abs() < 1e-14);
 }
+
+/// A step may end within rounding of the time at which a stitch closes, its length at a few 1e-17 m: over that length
+/// its predicted force would be a stiffness of 1e16 times its own, and a step of any size would count as none.
+#[test]
+fn a_stitch_about_to_close_is_nearly_a_closed_one() {
+    let x = [Vec3::new(0.0, 0.01, 0.0), Vec3::new(0.002, 0.0, 0.001)];
+    let moved = |by: Real| [x[0], x[1] + (x[0] - x[1]) * by];
+    let closed = at(3.0).mixed_hessian(&x, &x, &x)[0][0];
+    assert_eq!(closed, Mat3::identity() * K);
+    let closing = at(3.0 - 4.0 * Real::EPSILON);
+    assert!(closing.rest_length_at(3.0 - 4.0 * Real::EPSILON) > 0.0);
+    // Towards each other, past each other, and apart.
+    for by in [0.0, 0.5, 1.5, 30.0, -30.0] {
+        let hessian = closing.mixed_hessian(&x, &x, &moved(by))[0][0];
+        let off = (hessian - closed).amax();
+        assert!(off < 1e-12 * K, "{by}: {off:e}");
+    }
+    // However long it is, and wherever its ends are predicted to go: the stiffness across is at most twice its own.
+    for by in [0.0, 0.5, 0.99, 1.5, 30.0, -30.0] {
+        let half_closed = at(2.0).mixed_hessian(&x, &x, &moved(by))[0][0];
+        let largest = half_closed.symmetric_eigenvalues().max();
+        assert!(largest <= 2.0 * K, "{by}: {largest}");
+    }
+}
