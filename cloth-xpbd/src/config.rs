@@ -38,11 +38,52 @@ use cloth_core::method::position_based::{Acceleration, Sweep};
 ///   links and r = 1000 some 23,000 in the place of 230. A light tip costs none. Springs in place of the links add
 ///   `N α̃ = N/(k h²)` to the `λᵀAλ = 1/(r m)` of equal λ, and so take fewer: `(N − 1)/(1/r + N/(k h² w))`. For heavy
 ///   tips there is the [direct solver](crate#direct-solve).
+/// - **Stacks**, by hand, not measured: N layers of cloth on a floor, vertex above vertex and one row to a gap, have
+///   the A of the hung chain, per area: w₀ = 0 is the floor, w = 1/σ, σ the mass per area, and `α̃ = 1/(κ h²)` with the
+///   κ of [contact](crate#contact), so `η = 2 κ h²/σ`. In a stack at rest every λ is above 0, and its bound does not
+///   act. The rows of Jacobi's matrix sum to `1/(1 + 1/η)` at most, which bounds its ρ, so that of Gauss–Seidel is at
+///   most `1/(1 + 1/η)²` for any N: 0.77 with κ h²/σ = 3.5. One sweep a substep, from the floor up, leaves gap i at
+///   rest short by `g h² (N − i)`, by which the layers above have pushed its upper side down after its visit: 6.8 µm
+///   times (N − 1) in the lowest, at 1/1200 s. That is beside the `N σ g/κ` of the pressure itself there, and holds
+///   while both together are less than half of r.
 /// - **The order** does not change ρ of a chain: Gauss–Seidel has the square of Jacobi's ρ in the order of the links
 ///   and coloured. Averaged Jacobi is slower; [`Sweep`] has its factors.
 ///
 /// For a sheet ρ has no closed form. Hung by a side its columns are chains of N − 1 links; what is measured on sheets
 /// is the strain that is left ([table](crate::SubstepRule#against-the-closed-form)).
+///
+/// # Relaxation and extrapolation
+/// **Relaxation.** [`Acceleration::relaxation`] multiplies every correction by ω. With μ an eigenvalue of Jacobi's
+/// matrix, those of the sweep, s², are given by `s² − ω μ s + ω − 1 = 0` where A is tridiagonal (Young 1971); ω = 1
+/// makes s = μ, Gauss–Seidel. The best ω is that at which the two s of the largest μ meet, `ω² μ² = 4 (ω − 1)`:
+/// `ω = 2/(1 + √(1 − μ²))`, with the factor `s² = ω − 1` a sweep in the end. For N hung links, μ = cos(π/(2N)), that is
+/// `(1 − sin(π/(2N)))/(1 + sin(π/(2N)))`. So a factor of e takes about N/π sweeps in the place of 4N²/π², for 24 links
+/// 7.6 in the place of 233. But a visit leaves its own row at `(1 − ω)(C + α̃λ)`, not at zero, and for a cloth the best
+/// ω has no closed form: with few sweeps a substep keep 1.
+///
+/// **Extrapolation.** The error that k sweeps S leave is Sᵏ times the first. A combination of the iterates, with
+/// coefficients of sum 1, leaves `p_k(S)` times that, `p_k` a polynomial of degree k with `p_k(1) = 1`. If the
+/// eigenvalues s of S are real and within ±ρ, the largest `|p_k(s)|` is least for `p_k(s) = T_k(s/ρ)/t_k`, with
+/// Chebyshev's polynomials `T_k` and `t_k = T_k(1/ρ)`. From `T_{k+1}(y) = 2y T_k(y) − T_{k−1}(y)`, once for y = s/ρ and
+/// once for y = 1/ρ,
+///
+/// ```text
+/// p_{k+1} = ω s p_k + (1 − ω) p_{k−1},   ω = 2 t_k/(ρ t_{k+1}),   1 − ω = −t_{k−1}/t_{k+1}
+/// x⁺ = x⁻ + ω (S(x) − x⁻),               ω = 1, then 2/(2 − ρ²), then 4/(4 − ρ² ω) again and again
+/// ```
+///
+/// the second line being the first for iterates, `x⁻` the one before x. The values of ω follow from the recurrence of
+/// `t_k` divided by `2 t_k/ρ`: `1/ω = 1 − (ρ/2) t_{k−1}/t_k`, where `t_{k−1}/t_k` is ρ/2 times the ω of the iterate
+/// before, and ρ at first. In the end `t_k` grows by `(1 + √(1 − ρ²))/ρ` an iteration, and the error falls by as much.
+/// λ takes the same ω as x, so that `x = x̃ + M⁻¹ Jᵀλ`, which is affine, stays true.
+///
+/// *Why forward and back*: with A = L + D + Lᵀ, D its diagonal, a sweep forward is `1 − (D + L)⁻¹ A`, whose eigenvalues
+/// may be complex. Forward and back it is `1 − B⁻¹ A` with `B = (D + L) D⁻¹ (D + Lᵀ) = A + L D⁻¹ Lᵀ`. B is symmetric
+/// and at least A, so the eigenvalues are real, from 0 to 1. In a chain of two colours the second visit of the colour
+/// at which the sweep turns moves nothing, and ρ is that of one sweep. For 20 rigid links, ρ = cos²(π/40), an iteration
+/// of two sweeps then leaves 0.895 of the error in the end, where one plain sweep leaves 0.994: it takes a ninth of the
+/// sweeps. Rows that turn and bounds on λ are not linear, and nothing is proved for them;
+/// [`Chebyshev`](crate::Chebyshev) says what is done where the corrections grow.
 ///
 /// # Redundant and contradictory hard rows
 /// The gradients of hard rows may depend on one another: a truss with more links than hold it, two hard attachments of
@@ -70,6 +111,10 @@ pub struct XpbdConfig {
     pub acceleration: Acceleration,
     /// β (s): a force `−β k Ċ` along every row beside the elastic `−k C`, relative to rest data that change
     /// ([damping](crate#damping)). Zero, the default, costs nothing. A hard row has no rate and is not damped.
+    ///
+    /// To give a mode of frequency ω (1/s) the damping ratio ζ take `β = 2ζ/ω`; faster ones get more, in proportion to
+    /// ω. A damped row has `α̃ = 1/(k h (h + β))`, so sweeps converge as for springs of `η = 2 k h (h + β) w`: with β
+    /// well above h a row that was soft for the step is a stiff one, and takes more sweeps.
     pub damping: Real,
     /// With `Some(τ)` (dimensionless, above 0) the gains of energy are summed over the steps and losses taken off, but
     /// not below zero. A step that adds to that sum and lifts it above τ times the scale of energy is repeated with

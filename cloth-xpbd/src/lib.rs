@@ -204,9 +204,8 @@
 //!
 //! **k from D.** A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` along x, y and z, k = 3c/(A₀ + A₁) (Bergou et al.
 //! 2006); `CurvatureHinge::new` takes c, `CurvatureHinge::across` D, and c = D/3: equilateral triangles, bent to a
-//! cylinder of radius R in any direction, then store ½ D/R² per area ([derivation, and what other meshes
-//! do](cloth_core::energy#what-a-bending-rigidity-means-on-a-mesh)). A StVK triangle [has three
-//! k](XpbdBuilder#elements).
+//! cylinder of radius R in any direction, then store ½ D/R² per area. The derivation, a link to what other meshes do,
+//! and the three k of a StVK triangle are [with `XpbdBuilder`](XpbdBuilder#elements).
 //!
 //! **In numbers**: [shirting](cloth_core::cloth#where-the-numbers-come-from) of ρ = 0.2 kg/m², Y = 1000 N/m and D =
 //! 10⁻⁵ N m, on the alternating grid of a = 1 cm, whose vertices weigh m = ρ a² = 2·10⁻⁵ kg in the mean (4/3 of that
@@ -315,15 +314,17 @@
 //! of a colour then do not see each other's writes: they can be visited in parallel, without locks, and give the same
 //! bits as in turn, on any number of threads. A second thread takes part in colours of at least 4096 elements (feature
 //! `parallel`, on the current rayon pool); a processor gains on one thread too, since it need not wait for the element
-//! before. Elements of N vertices, at most d of which meet at one, take at most N (d − 1) + 1 colours.
-//! [`Sweep::Sequential`] keeps the order given and one thread. [`Sweep::Jacobi`] solves all elements at the same
-//! positions and scales the corrections down; without extrapolation it is slow.
+//! before. Elements of N vertices, at most d of which meet at one, take at most N (d − 1) + 1 colours: each has at most
+//! N (d − 1) neighbours, and takes the first colour that none of them has. [`Sweep::Sequential`] keeps the order given
+//! and one thread. [`Sweep::Jacobi`] solves all elements at the same positions and scales the corrections down; without
+//! extrapolation it is slow.
 //!
 //! [`XpbdConfig::acceleration`] extrapolates λ and x over the sweeps of a substep ([`Chebyshev`]), for those who need
-//! many. An iteration of Gauss–Seidel is then two sweeps, forward and back. A chain of 20 rigid links takes less than a
-//! fifth of the sweeps to 1e-7 m with ρ given, less than a third with ρ estimated (`tests/all/sweeps.rs`). The family
-//! visited last is met best, since none after it undoes it: add the one that must hold best last, with Chebyshev first,
-//! where the way back ends. Air and then contact come after all.
+//! many ([why it is faster](XpbdConfig#relaxation-and-extrapolation)). An iteration of Gauss–Seidel is then two sweeps,
+//! forward and back. A chain of 20 rigid links takes less than a fifth of the sweeps to 1e-7 m with ρ given, less than
+//! a third with ρ estimated (`tests/all/sweeps.rs`). The family visited last is met best, since none after it undoes
+//! it: add the one that must hold best last, with Chebyshev first, where the way back ends. Air and then contact come
+//! after all.
 //!
 //! # Contact
 //! A [`ContactSource`](cloth_core::contact::ContactSource), as the crate `cloth-collide` has it, is handed over with
@@ -358,7 +359,8 @@
 //! Δλ = max(−λ, −(C + α̃λ)/(w̃ + α̃)),   λ_f ← λ_f − u/w̃, cut to ‖λ_f‖ ≤ μ λ
 //! ```
 //!
-//! the second for friction (after Müller et al. 2020, section 3.5, with one μ for sticking and sliding): u is the
+//! The first changes nothing where C + α̃λ = 0 with λ > 0, or C ≥ 0 with λ = 0: no pull, and no push where C > 0.
+//! The second is for friction (after Müller et al. 2020, section 3.5, with one μ for sticking and sliding): u is the
 //! displacement of `Σ c_k x_k` at right angles to n̂ from where the contact sticks, at first from where it was when
 //! contact began. From substep to substep u is kept while λ > 0, cut to r/100: what is beyond has slipped, and is not
 //! taken back. The length is fixed, and not the `μ λ w̃` that the cone can take back in a substep. That is some μ g h²

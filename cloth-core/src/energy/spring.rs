@@ -168,9 +168,8 @@ impl Constraint<2> for Spring {
         (Mat3::identity() - n * n.transpose()) * across
     }
 
-    /// `k |l − L|/max(|l|, L) (I − n nᵀ)` with the predicted length l, where [`Constraint::curvature`] divides by the
-    /// length at x. A stiff spring that has turned in an iteration is too long at x; where the prediction holds it is
-    /// about L long. The factor is at most 2, also while L falls to zero.
+    /// `k |C|/L (I − n nᵀ)` with the predicted C, where [`Constraint::curvature`] divides by the length l at x. A stiff
+    /// spring that has turned in an iteration is too long at x; where the prediction holds it is about L long.
     #[inline(always)]
     fn mixed_curvature(&self, x: &[Vec3; 2], from: &[Vec3; 2], to: &[Vec3; 2]) -> Blocks<2> {
         if self.rest_length == 0.0 {
@@ -179,9 +178,8 @@ impl Constraint<2> for Spring {
         let (_, n) = length_and_direction(x[0] - x[1], self.vertices);
         let (length, along) = length_and_direction(from[0] - from[1], self.vertices);
         let moved = along.dot(&(to[0] - to[1] - from[0] + from[1]));
-        let predicted = length + moved;
-        let strain = (predicted - self.rest_length) / predicted.abs().max(self.rest_length);
-        across_pair(n, self.stiffness * strain.abs())
+        let predicted = length + moved - self.rest_length;
+        across_pair(n, self.stiffness * (predicted / self.rest_length).abs())
     }
 
     #[inline]

@@ -2,7 +2,7 @@
 
 use super::Spring;
 use crate::element::{Constraint, Convexity, Element, Projective, Row, RowForm, VectorRow};
-use crate::math::{Blocks, Mat3, Real, Vec3, gather};
+use crate::math::{Blocks, Mat3, Real, Vec3, across_pair, gather, length_and_direction};
 
 /// A spring between a vertex and another one (N = 2), or a point of the edge between two others (N = 3), whose rest
 /// length L falls to zero: `E = ½ k (‖Σ qᵢ xᵢ‖ − L(t))²` (J), with the weights `q = (1, −1)` or `(1, f − 1, −f)`.
@@ -271,13 +271,21 @@ impl<const N: usize> Constraint<N> for Stitch<N> {
         self.spread(self.spring().curvature(&ends, convexity))
     }
 
+    /// That of a [`Spring`], `k |l − L|/L` across it with the predicted length l, would be without a bound as L falls to
+    /// zero, and a step of any size would then count as none. Divided by |l| where that is more than L it is at most
+    /// 2 k, and k where the stitch is closed.
     #[inline]
     fn mixed_curvature(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         if self.is_closed() {
             return [[Mat3::zeros(); N]; N];
         }
-        let [x, from, to] = [x, from, to].map(|x| [self.between(x), Vec3::zeros()]);
-        self.spread(self.spring().mixed_curvature(&x, &from, &to))
+        let [x, from, to] = [x, from, to].map(|x| self.between(x));
+        let ends = [self.vertices[0], self.vertices[1]];
+        let (_, n) = length_and_direction(x, ends);
+        let (length, along) = length_and_direction(from, ends);
+        let predicted = length + along.dot(&(to - from));
+        let strain = (predicted - self.rest_length) / predicted.abs().max(self.rest_length);
+        self.spread(across_pair(n, self.stiffness * strain.abs()))
     }
 }
 

@@ -76,6 +76,17 @@ use cloth_core::step::BuildError;
 /// second, `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −cot θ₀ − cot θ₁, −cot θ₂ − cot θ₃)`: constants, so no present shape
 /// is special. Only a rest triangle without area has no cotangents.
 ///
+/// **k of a hinge from D**, on equilateral triangles of side a and area A = √3 a²/4, where cot 60° = 1/√3 makes
+/// `q = (2, 2, −2, −2)/√3`. On a surface of curvatures κ∥ along the edge and κ⊥ across, the ends of the edge are
+/// `κ∥ a²/8` from the tangent plane at its middle, and the tips, √3 a/2 away, `3 κ⊥ a²/8`. So
+/// `‖z‖ = |κ∥ − 3κ⊥| a²/(2√3)`. A cylinder of curvature κ, curved in a direction at the angle φ to the edge, has
+/// κ∥ = κ cos² φ and κ⊥ = κ sin² φ. Then `(κ∥ − 3κ⊥)² = κ² (2 cos 2φ − 1)²`, in the mean over three edges 60° apart
+/// 3κ² for every φ, and ‖z‖² is κ² a⁴/4 = 4κ²A²/3. A hinge of `k = D/(2A)` stores `½ k ‖z‖² = D κ² A/3`; its share of
+/// the sheet is 2A/3, as two triangles have three edges in the mean: ½ D κ² per area. [Other
+/// meshes](cloth_core::energy#what-a-bending-rigidity-means-on-a-mesh) store more or less. The dihedral angle has the
+/// same energy near flat: a tip at the distance d from its edge, of length e, has `|q| = e/d`, and rises by d θ where
+/// its triangle turns by θ. So `‖z‖ = e θ`, and `D/(A₀ + A₁) ‖z‖²` is `D e²/(A₀ + A₁) θ²`.
+///
 /// **Dihedral hinge** (with [`HingeLaw::Angle`](cloth_core::energy::HingeLaw)). With `e = x₁ − x₀`,
 /// `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e` and `tᵢ = (xᵢ − x₀)·e/‖e‖²`,
 ///
