@@ -20,6 +20,13 @@
 //! `system`, the step length in `line_search` and, where there is contact, the core's
 //! [`TrustRadius`](cloth_core::method::trust::TrustRadius).
 //!
+//! **Existence and uniqueness.** E is at least 0 (for elements that are sums of squares), so G grows like `‖x‖²` and
+//! has a minimum, and the iterates of a descent stay in a bounded set. A convex set on which the Hessian of G is
+//! positive definite holds one stationary point at most: for springs, as `‖p₀ − p₁‖² ≤ 2 ‖p₀‖² + 2 ‖p₁‖²`, a set where
+//! `m/s² > 2 Σ k max(0, L/l − 1)` at every vertex, with the sum over its springs. No s ensures that everywhere, since
+//! L/l has no bound. At `l = 0` a spring with L > 0 has no gradient: its energy falls by kL per length in every
+//! direction, so no local minimum of G has such a spring with a free end.
+//!
 //! One step is `Implicit::advance`: it sets x_b, x̂ and the start of the iteration (`predict`), minimises
 //! (`Minimizer`), checks that the result is finite, and only then writes the state. So another integrator of one stage
 //! is a row of the table: a `Stepper` that calls `advance` with its τ and a closure for x_b and v_b
@@ -64,14 +71,18 @@ use stage::Stage;
 ///
 /// Of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step. Stable for any step:
 /// with W the sum of the elastic energy E and that of gravity and load, `½ ‖v[1]‖²_M + W(x[1])` is never above
-/// `½ ‖v[0]‖²_M + W(x[0])` where E is convex. Springs are not convex where they are compressed. There a descent from
-/// `x[0]` ([`StartGuess::Previous`]) guarantees `G(x[1]) ≤ G(x[0])`, that is `½ ‖v[1] − v[0]‖²_M + W(x[1])
-/// ≤ ½ ‖v[0]‖²_M + W(x[0])`, and no more.
+/// `½ ‖v[0]‖²_M + W(x[0])` where E is convex: `W(x[0]) − W(x[1]) ≥ ∇W(x[1])·(x[0] − x[1])`, the right side is
+/// `v[1]·M(v[1] − v[0])` by `∇W(x[1]) = −M(v[1] − v[0])/Δt` and `x[0] − x[1] = −Δt v[1]`, and that is
+/// `½ ‖v[1]‖²_M − ½ ‖v[0]‖²_M + ½ ‖v[1] − v[0]‖²_M`, whose last term is lost besides. Springs are not convex where
+/// they are compressed. There a descent from `x[0]` ([`StartGuess::Previous`]) guarantees `G(x[1]) ≤ G(x[0])`, that is
+/// `½ ‖v[1] − v[0]‖²_M + W(x[1]) ≤ ½ ‖v[0]‖²_M + W(x[0])`, and no more.
 ///
 /// Linear momentum of cloth that nothing holds or touches is kept to rounding, whatever the tolerance, by
 /// [`Solve::QuasiNewton`] and [`Solve::Linearized`]: the iteration ends with a shift to where the momentum takes the
 /// cloth; with contacts in the input only if nothing is held, and for all components together. In Newton's method it is
-/// kept as exactly as the linear systems are solved. Angular momentum is not kept.
+/// kept as exactly as the linear systems are solved. Angular momentum is not: with `x[0] = x[1] − Δt v[1]` and
+/// `m v[0] = m v[1] − Δt f` for the elastic forces f at `x[1]`, which have no moment about any point, it changes by
+/// `−Δt² Σ v[1] × f` in a step.
 ///
 /// With [`Solve::Linearized`] its name is `linear-implicit`, and from the start `x[0]`, as by
 /// [`ImplicitConfig::linearized`], it is the step of Baraff and Witkin. With contact, what touches nothing takes the
@@ -136,7 +147,14 @@ pub struct ImplicitEuler(Implicit);
 ///
 /// Second order, time-reversible and symplectic. An oscillation ω keeps its amplitude whatever the step, and turns by
 /// `2 atan(Δt ω/2)`: a quadratic energy is kept to rounding, linear momentum as in [`ImplicitEuler`], angular momentum
-/// to the tolerance.
+/// to the tolerance. Without damping, gravity and contact `x[1] − x[0] = Δt v̄` and `M(v[1] − v[0]) = Δt f(x̄)`, with
+/// the means `x̄` and `v̄` of both ends:
+/// - The kinetic energy changes by `v̄·M(v[1] − v[0]) = f(x̄)·(x[1] − x[0])`, and `½ xᵀKx` by the negative of that.
+/// - Angular momentum changes by `Σ m (x̄ × (v[1] − v[0]) + (x[1] − x[0]) × v̄) = Δt Σ x̄ × f(x̄)`, as `v̄ × v̄ = 0`.
+///   Elastic forces have no moment.
+/// - Any other E changes by `∇E(x̄)·Δx` and a remainder, which is what the total energy gains: a 24th of the third
+///   derivative along `Δx`, and more of fifth order. With l and n of the middle, and e the change of `x₀ − x₁` in the
+///   step, it is `k L (n·e) ‖e − (n·e) n‖²/(8 l²)` for a spring: 0 for L = 0, and else of the sign of n·e.
 ///
 /// The price: nothing dies out, and that holds for modes that the step does not resolve, too. With `Δt ω ≫ 2` they turn
 /// by almost half a circle a step and appear as a vertex-to-vertex ringing that goes on for ever. Nor is the energy of
@@ -146,8 +164,13 @@ pub struct ImplicitEuler(Implicit);
 /// so; for cloth at large steps take [`Bdf2`].
 ///
 /// It is half a step of implicit Euler, whose change of x and v is then added once more. Damping: drag and stiffness
-/// act with the velocity in the middle, both with second order. Prescribed vertices pass the middle at
-/// `x[0] + ½ Δt v[0]`.
+/// act with the velocity in the middle, both with second order. An oscillation with `2γ = α + β ω²` is multiplied by
+/// `(2 − μ)/μ`, with the eigenvalues `μ = 1 + ½ Δt γ ± ½ √((Δt γ)² − z²)` of half a step of implicit Euler. For γ < ω
+/// the modulus is `√((1 − Δt γ + z²/4)/(1 + Δt γ + z²/4))`, the less the larger γ; for γ > ω the larger μ grows with γ,
+/// and where z > 2 its factor nears −1. So, whatever α and β, one of the two factors of a mode with z > 2 is at least
+/// `(z − 2)/(z + 2)` in size, that of γ = ω: damping does not stop the ringing of stiff modes.
+///
+/// Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.
 ///
 /// Contact acts at the end of the step, and takes up motion as in implicit Euler: what it stops does not bounce.
 ///

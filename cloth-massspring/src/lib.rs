@@ -364,6 +364,7 @@
 //! | [`ImplicitMidpoint`] | 2 | 1 | `2 atan(z/2)` | always |
 //! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always ([why](Bdf2)) |
 //!
+//! For small z the angles are z and `−z³/3` (forward, implicit Euler, BDF2), `z³/24` (symplectic), `−z³/12` (midpoint).
 //! In a period, `2π/z` steps, implicit Euler loses about `1 − exp(−2πz)` of the energy (47 % at z = 0.1), BDF2 about
 //! `πz³` (0.3 %), the midpoint rule nothing. The row of BDF2 holds for linear forces, and else while most of the motion
 //! has z below 0.57; beyond, unless gravity or load is large beside it, up to every other step is one of implicit Euler
@@ -469,8 +470,9 @@
 //!   the plane: by default it never buckles. Displace the start a little, or ask for [`Accept::Minimum`].
 //! - Springs with slack (a range of lengths without force) change their stiffness from nothing to all at the end of it;
 //!   the quasi-Newton method then often finds nothing lower, and Newton's method takes over (example `materials`).
-//! - *Locking*: rigid springs on all E edges leave 3V − E = 3 + b motions, b the number of boundary edges, 6 of the
-//!   motions rigid, however many vertices are inside. Stiff cloth then folds only along lines of edges.
+//! - *Locking*: rigid springs on all E edges of cloth without holes leave 3V − E = 3 + b motions, b the number of
+//!   boundary edges (by V − E + F = 1 and 3F = 2E − b), 6 of the motions rigid, however many vertices are inside. Stiff
+//!   cloth then folds only along lines of edges.
 //!   [`cloth_core::dof`] measures it and has the remedies, such as springs on fewer edges or softer under compression.
 //! - Isotropic materials only: warp, weft and shear have no moduli of their own. (Springs made by hand may each have a
 //!   k; ℂ above says what sheet they are.)

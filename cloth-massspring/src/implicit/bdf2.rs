@@ -5,6 +5,10 @@
 //! (3 v[1] − 4 v[0] + v[−1]) / (2Δt) = M⁻¹ f(x[1]) + g
 //! ```
 //!
+//! The slope at the end of the parabola through `x[−1]`, `x[0]`, `x[1]` is the last difference and half of a second one
+//! more: `(x[1] − x[0])/Δt + (x[1] − 2x[0] + x[−1])/(2Δt)`, the first line. It is off by `Δt² x‴/3`, hence the second
+//! order. Steps of different sizes would have other weights, which are not offered.
+//!
 //! Solved for the new values that is a stage of `τ = 2Δt/3` from `x_b = (4x[0] − x[−1])/3`, `v_b = (4v[0] − v[−1])/3`.
 //!
 //! A velocity that jumps has no derivative. A vertex that arrives at a floor with `v[−1] = −1 m/s` and is stopped,
@@ -46,15 +50,19 @@ const JUMP: Real = 0.1;
 ///
 /// *No oscillation grows:* with `a + ib = √(1 + 2iz)`, a > 0, the real part gives a² − b² = 1, so a ≥ 1. Then
 /// `|2 + a + ib| ≥ 3`, and `|2 − a − ib|² = (2 − a)² + a² − 1 = 1 + 2 (a − 1)²` is 1 or more: |λ| ≤ 1 for both roots,
-/// equal to 1 only for z = 0.
+/// equal to 1 only for z = 0. Nor does a damped one, `u′ = σu` with Re σ ≤ 0, which has Δt σ in the place of iz: there
+/// a ≥ 0 and b² ≥ a² − 1, so `|2 − a − ib|² ≥ 1 + 2 (a − 1)²` and `|2 + a + ib| ≥ 2` (A-stable; and L-stable like
+/// implicit Euler, as λ tends to 0 with growing |Δt σ|: the midpoint rule is A-stable only).
 ///
 /// Linear momentum is kept as in [`ImplicitEuler`](crate::ImplicitEuler), angular momentum is not.
 ///
 /// It needs the state before the last one. The solver keeps it, together with a copy of the state that it produced;
 /// when a step starts from another state, or with another Δt, it *starts again* with one step of implicit Euler. One
-/// step of first order does not lower the order of the run. So the state may be changed between two steps, but whoever
-/// changes it before every step gets implicit Euler. Velocities of prescribed vertices may change: moving a pin is no
-/// restart. A jump of velocities is a restart, measured over the whole cloth: where contact stops it, where it snaps
+/// step of first order does not lower the order of the run: its error is of the order of Δt² and is made once, not in
+/// each of T/Δt steps. (Where every other step starts again, the run is of first order.) So the state may be changed
+/// between two steps, but whoever changes it before every step gets implicit Euler. Velocities of prescribed vertices
+/// may change: moving a pin is no restart. A jump of velocities is a restart, measured over the whole cloth: where
+/// contact stops it, where it snaps
 /// taut, where a load sets in; and, unless all forces are linear, where most of its motion has Δt ω above 0.57, about
 /// 11 steps a period or fewer, and gravity and load are small beside it. Such cloth, and what slides and folds, takes
 /// up to every other step by implicit Euler, to which the λ above does not apply.

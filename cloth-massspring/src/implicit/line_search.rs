@@ -12,8 +12,8 @@ const ROUNDING: Real = 1e-10;
 /// condition `φ′(α) ≤ (1 − 2c) |φ′(0)|` with c = 0.1: stricter than [`ARMIJO`]'s c, which would let through steps to
 /// almost as far beyond the minimum as they started before it. How steeply `G` still falls there does not matter.
 const APPROXIMATE_WOLFE: Real = 0.8;
-/// Step lengths tried before giving up, each at most half of the one before: down to 10⁻¹⁵ at least, since what comes
-/// next is a factorisation. (The twelve of `cloth-pd` are enough there: a plain iteration comes next.)
+/// Step lengths tried before giving up, each at most half of the one before: down to 2·10⁻¹⁵ at least, since what
+/// comes next is a factorisation. (The twelve of `cloth-pd` are enough there: a plain iteration comes next.)
 const MAX_TRIALS: u32 = 50;
 
 /// An iterate, with value and gradient.
@@ -45,11 +45,16 @@ impl Point {
 /// Moves `to` to `from + α direction`, `slope` (J) being that along the direction, with `α = most` or the first smaller
 /// one that is accepted, and evaluates it there.
 ///
+/// With `φ(α) = G(from + α direction)` and `φ'(0) < 0`, `φ(α) = φ(0) + α φ'(0) + O(α²)` is below
+/// `φ(0) + c α φ'(0)`, c < 1, for all small α: Armijo's condition passes after some halvings. With q the curvature
+/// along the direction, a quadratic passes up to `α = 2 (1 − c) |φ'(0)|/q`; a Newton direction of it has its minimum
+/// `|φ'(0)|/q` at 1, so c < ½ lets the full step through.
+///
 /// Armijo's condition compares two values of `G`. Near the minimum they agree in all digits that are free of rounding,
 /// long before the gradient is as small as it can be. There the condition is put in terms of slopes, as Hager and Zhang
 /// do (SIAM J. Optim. 16, 2005, <https://doi.org/10.1137/030601880>): for a quadratic and the same c, the slope
-/// `φ'(α) ≤ (1 − 2c) |φ'(0)|` says the same as `φ(α) ≤ φ(0) + c α φ'(0)`, without cancellation. Here c is 0.1 in the
-/// first and 10⁻⁴ in the second.
+/// `φ'(α) ≤ (1 − 2c) |φ'(0)|` says the same as `φ(α) ≤ φ(0) + c α φ'(0)`, as `φ(α) − φ(0) = ½ α (φ'(0) + φ'(α))`,
+/// without cancellation. Here c is 0.1 in the first and 10⁻⁴ in the second.
 pub(super) fn search(
     stage: &Stage<'_>,
     from: &Point,

@@ -14,6 +14,17 @@
 //! conjugate gradients where they come across it. Near a minimum `b = 1` and convergence is quadratic. Near a saddle
 //! the blended matrix is almost singular along the way down, so the step along it is long, and the saddle is left
 //! within a few iterations.
+//!
+//! **Buckling and the step.** Flat cloth under the pressure N (N/m) with the deflection w moves by
+//! `ρ ∂²w/∂t² = −N ∂²w/∂X² − D ∂⁴w/∂X⁴`: a wave of number ξ grows like `e^(σt)`, `ρσ² = Nξ² − Dξ⁴`. So it grows where
+//! `N > Dξ²` (Euler's load, `π²D/ℓ²` for a strip hinged at both ends of its length ℓ), fastest at `ξ² = N/(2D)`, with
+//! `σ² = N²/(4ρD)`. Implicit Euler beside the flat state, with `S = Δt σ`, has `(1 − S²) w[1] = 2w[0] − w[−1]`, hence
+//! the factors `1/(1 − S)` and `1/(1 + S)` a step:
+//! - `S < 1`: the flat state is a minimum of G along the wave, which grows faster than the truth, `1/(1 − S) > e^S`.
+//! - `S > 1`: it is a saddle point. The solution of ∇G = 0 that lies beside the saddle grows with changing sign while
+//!   `S < 2`, and dies out beyond: a long step that ends there does not buckle. Descent leaves the saddle unless the
+//!   deflection is so small that the tolerance takes it; [`Accept::Minimum`](crate::Accept::Minimum) looks for a way
+//!   down.
 
 use super::drift::Unconstrained;
 use super::line_search::Point;
