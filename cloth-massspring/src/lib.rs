@@ -472,8 +472,8 @@
 //!   the quasi-Newton method then often finds nothing lower, and Newton's method takes over (example `materials`).
 //! - *Locking*: rigid springs on all E edges of cloth without holes leave 3V − E = 3 + b motions, b the number of
 //!   boundary edges (by V − E + F = 1 and 3F = 2E − b), 6 of the motions rigid, however many vertices are inside. Stiff
-//!   cloth then folds only along lines of edges.
-//!   [`cloth_core::dof`] measures it and has the remedies, such as springs on fewer edges or softer under compression.
+//!   cloth then folds only along lines of edges. The module `dof` of `cloth-core` (feature `cholesky`) measures it and
+//!   has the remedies, such as springs on fewer edges or softer under compression.
 //! - Isotropic materials only: warp, weft and shear have no moduli of their own. (Springs made by hand may each have a
 //!   k; ℂ above says what sheet they are.)
 //!

@@ -92,15 +92,11 @@ fn linearised_cloth_that_is_stopped_does_not_end_above_where_its_step_began() {
 /// that pulls a sheet taut.
 #[test]
 fn sweeps_by_their_default_leave_no_energy_in_scenes_that_ship() {
-    for (scene, steps, warns) in [
-        ("corner", 120, true),
-        ("flag", 60, false),
-        ("seam", 60, false),
-    ] {
+    for (scene, warns) in [("corner", true), ("flag", false), ("seam", false)] {
         let scene = format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
         let [without, with] = ["none", "auto"].map(|gain| {
             let (code, object, said) = run(&format!(
-                "{scene} --method xpbd --threads 1 --steps {steps} --set energy_gain={gain}"
+                "{scene} --method xpbd --threads 1 --steps 120 --set energy_gain={gain}"
             ));
             assert_eq!(code, 0, "{scene}: {said}");
             object

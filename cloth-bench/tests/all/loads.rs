@@ -141,7 +141,7 @@ shape = "plane"
             format!("{on_floor}position = [0, 0, -1]\n{body}[[pins]]\nselect = \"border\"\n");
         let scene = scene("swinging", &text);
         let [found, expected] = [("xpbd", &["substeps=auto"][..]), ("symplectic-euler", &[])]
-            .map(|(method, settings)| fall(&scene, method, settings, 60));
+            .map(|(method, settings)| fall(&scene, method, settings, 120));
         println!("{mass} kg: {found} of {expected} m");
         assert!(
             (found / expected - 1.0).abs() < 0.08,

@@ -76,6 +76,13 @@ impl Spring {
         };
         (n, self.stiffness * convexity.applied_to(strain))
     }
+
+    /// Its length (m) at `to` as linearised at `from`; negative where its ends pass each other.
+    #[inline(always)]
+    pub(super) fn predicted_length(&self, from: &[Vec3; 2], to: &[Vec3; 2]) -> Real {
+        let (length, along) = length_and_direction(from[0] - from[1], self.vertices);
+        length + along.dot(&(to[0] - to[1] - from[0] + from[1]))
+    }
 }
 
 /// Below this (m²) the square of a length has lost digits. [`length_and_direction`] takes lengths below 10⁻¹⁴⁰ m for
@@ -176,10 +183,8 @@ impl Constraint<2> for Spring {
             return self.curvature(x, Convexity::Abs);
         }
         let (_, n) = length_and_direction(x[0] - x[1], self.vertices);
-        let (length, along) = length_and_direction(from[0] - from[1], self.vertices);
-        let moved = along.dot(&(to[0] - to[1] - from[0] + from[1]));
-        let predicted = length + moved - self.rest_length;
-        across_pair(n, self.stiffness * (predicted / self.rest_length).abs())
+        let value = self.predicted_length(from, to) - self.rest_length;
+        across_pair(n, self.stiffness * (value / self.rest_length).abs())
     }
 
     #[inline]

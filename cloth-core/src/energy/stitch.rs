@@ -279,11 +279,10 @@ impl<const N: usize> Constraint<N> for Stitch<N> {
         if self.is_closed() {
             return [[Mat3::zeros(); N]; N];
         }
-        let [x, from, to] = [x, from, to].map(|x| self.between(x));
-        let ends = [self.vertices[0], self.vertices[1]];
-        let (_, n) = length_and_direction(x, ends);
-        let (length, along) = length_and_direction(from, ends);
-        let predicted = length + along.dot(&(to - from));
+        let [x, from, to] = [x, from, to].map(|x| [self.between(x), Vec3::zeros()]);
+        let spring = self.spring();
+        let (_, n) = length_and_direction(x[0], spring.vertices);
+        let predicted = spring.predicted_length(&from, &to);
         let strain = (predicted - self.rest_length) / predicted.abs().max(self.rest_length);
         self.spread(across_pair(n, self.stiffness * strain.abs()))
     }
