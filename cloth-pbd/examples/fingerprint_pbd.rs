@@ -19,9 +19,13 @@ use std::error::Error;
 
 /// Large enough for every parallel path.
 const SIDE: usize = 150;
+const STEPS: usize = 3;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mesh = grid(SIDE, SIDE, 1.0, 1.0, Diagonals::Alternating)?;
+    let mut given = std::env::args().skip(1);
+    let side = given.next().map_or(Ok(SIDE), |text| text.parse())?;
+    let steps = given.next().map_or(Ok(STEPS), |text| text.parse())?;
+    let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating)?;
     let cloth = Cloth {
         areal_density: 0.2,
         membrane: Membrane::SpringStiffness(1e4),
@@ -29,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let mut model = cloth.on(&mesh)?;
     model.particles.prescribe(0)?;
-    model.particles.prescribe(SIDE - 1)?;
+    model.particles.prescribe(side - 1)?;
     let chebyshev = Some(Chebyshev {
         radius: Radius::Estimated,
         delay: 3,
@@ -70,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .build()?;
         let mut solver = WithStrainLimit::new(Box::new(solver), limiter);
         let mut state = State::at_rest(mesh.positions().to_vec());
-        for _ in 0..3 {
+        for _ in 0..steps {
             let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -9.81);
             solver.step(&mut state, input)?;
         }
