@@ -19,6 +19,21 @@ const REFUSED: [(&str, &str); 4] = [
 /// Scenes that start tangled, and are pulled apart on the way.
 const TANGLED: [&str; 2] = ["tangled", "pierced"];
 
+/// Steps until every other scene has met what it falls on or is pulled over.
+const STEPS: u32 = 20;
+
+/// Dear ones that have met it by then.
+const MET_SOON: [(&str, u32); 5] = [
+    ("ball", 10),
+    ("funnel", 8),
+    ("gown", 10),
+    ("tablecloth", 8),
+    ("turning-sphere", 8),
+];
+
+/// What is nearer (m) than any thickness of theirs.
+const MET: Real = 3.9e-3;
+
 fn files() -> Vec<(String, PathBuf)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let entries = std::fs::read_dir(folder).unwrap();
@@ -34,7 +49,7 @@ fn files() -> Vec<(String, PathBuf)> {
 
 /// Every file by a method at its default, for its first steps; from nowhere comes at most this share of the energy that
 /// was given.
-fn keeps_what_is_promised(method: &str, steps: u32, most: Real) {
+fn keeps_what_is_promised(method: &str, most: Real) {
     let known = Method::find(method).unwrap();
     let settings = Variant::default_of(known).settings;
     let mut count = 0;
@@ -50,13 +65,16 @@ fn keeps_what_is_promised(method: &str, steps: u32, most: Real) {
         };
         let mut watch = SeparationWatch::new(&scene).unwrap();
         let mut state = scene.start.clone();
-        let plan = Plan::new(scene.dt, steps);
+        let soon = MET_SOON.iter().find(|(soon, _)| *soon == name);
+        let plan = Plan::new(scene.dt, soon.map_or(STEPS, |(_, steps)| *steps));
         let ran = run_changing(&scene, &mut solver, &mut state, plan, |moment| {
             watch.look(moment.scene, moment.state)
         });
         let (summary, _) = ran.unwrap_or_else(|error| panic!("{at}: {error}"));
         let seen = watch.seen();
         assert_eq!(seen.obstacle_crossed_steps, 0, "{at}");
+        let nearest = seen.min_clearance.unwrap_or(Real::INFINITY);
+        assert!(soon.is_none() || nearest < MET, "{at}: {nearest}");
         // The flag does not touch itself.
         assert!(name == "flag" || seen.crossed_steps == 0, "{at}");
         let share = summary.energy_excess / summary.energy_given;
@@ -69,16 +87,16 @@ fn keeps_what_is_promised(method: &str, steps: u32, most: Real) {
 
 #[test]
 fn pd_keeps_what_is_promised_in_every_scene_file() {
-    keeps_what_is_promised("pd", 20, 1e-3);
+    keeps_what_is_promised("pd", 1e-3);
 }
 
 #[test]
 fn xpbd_keeps_what_is_promised_in_every_scene_file() {
     // A step that gains more than a hundredth is taken again.
-    keeps_what_is_promised("xpbd", 20, 0.012);
+    keeps_what_is_promised("xpbd", 0.012);
 }
 
 #[test]
 fn implicit_euler_keeps_what_is_promised_in_every_scene_file() {
-    keeps_what_is_promised("implicit-euler", 20, 1e-3);
+    keeps_what_is_promised("implicit-euler", 1e-3);
 }
