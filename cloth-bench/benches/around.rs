@@ -115,6 +115,7 @@ fn frames(criterion: &mut Criterion) {
             state: &state,
             report: &report,
             forces: None,
+            pin_loads: None,
             held: 0.0,
             given: 0.0,
             tangled: None,

@@ -4,6 +4,7 @@ mod crossings;
 mod energy;
 mod load;
 mod parts;
+mod pin_loads;
 mod solver;
 mod start;
 mod stretch;
@@ -32,6 +33,7 @@ use cloth_core::particles::State;
 use cloth_core::step::{StepInput, StepReport, Stepper};
 use energy::{BodyEnergy, EnergyBalance};
 use load::{Push, load, push_of};
+use pin_loads::PinLoads;
 use std::borrow::Cow;
 use std::time::Instant;
 use stretch::StretchWatch;
@@ -54,6 +56,7 @@ struct Course<'a> {
     /// Whether forces of contact are recorded, and what they are on average where a step has several parts.
     forces: bool,
     mean_forces: Option<ContactForces>,
+    pin_loads: Option<PinLoads>,
     contacts: Option<Timed>,
     untangling: Untangling,
     air: Option<Air>,
@@ -76,6 +79,7 @@ impl<'a> Course<'a> {
             rebuilds: 0,
             forces: false,
             mean_forces: None,
+            pin_loads: None,
             untangling: Untangling::new(scene, contacts.as_ref()),
             contacts,
             air,
@@ -207,12 +211,24 @@ impl<'a> Course<'a> {
             air.load(state, dt);
             input = input.air(air);
         }
+        if let Some(pins) = &mut self.pin_loads {
+            input = input.pin_forces(pins.of_part());
+        }
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(contacts);
         }
         let report = stepper.step(state, input);
         let report = report.map_err(|error| self.scene.crossing_error(error))?;
         self.seconds += started.elapsed().as_secs_f64();
+        if let Some(pins) = &mut self.pin_loads {
+            if !report.tells_pin_forces {
+                return Err(BenchError::Usage(format!(
+                    "method `{}` does not tell the forces at held vertices",
+                    stepper.name()
+                )));
+            }
+            pins.add_weight(&self.scene.model.particles, self.scene.gravity, load);
+        }
         if let Some(contacts) = &mut self.contacts {
             contacts.count(is_tangled);
         }
@@ -297,6 +313,9 @@ pub struct Moment<'a> {
     pub report: &'a StepReport,
     /// The forces of contact in it, if the plan wants them and there is something to touch.
     pub forces: Option<&'a ContactForces>,
+    /// What held vertices bear in it (N), one per vertex and zero at free ones, if the plan wants that: the pull of the
+    /// elements, their own weight and loads of the scene, without air and contact.
+    pub pin_loads: Option<&'a [Vec3]>,
     /// What the cloth, and the bodies that it pushes, hold by then (J): kinetic and elastic energy, and that of
     /// contact.
     pub held: Real,
@@ -315,6 +334,8 @@ pub struct Plan {
     pub steps: u32,
     /// Whether the forces of contact are recorded.
     pub forces: bool,
+    /// Whether what held vertices bear is recorded.
+    pub pin_loads: bool,
 }
 
 impl Plan {
@@ -324,6 +345,7 @@ impl Plan {
             dt,
             steps,
             forces: false,
+            pin_loads: false,
         }
     }
 }
@@ -347,12 +369,19 @@ fn take_steps(
     scene: &Scene,
     solver: &mut Solver<'_>,
     state: &mut State,
-    Plan { dt, steps, forces }: Plan,
+    plan: Plan,
     after: &mut dyn FnMut(&Moment<'_>) -> Result<(), BenchError>,
 ) -> Result<(Summary, Scene), BenchError> {
+    let Plan {
+        dt,
+        steps,
+        forces,
+        pin_loads,
+    } = plan;
     scene.refuse_start_inside(state)?;
     let mut course = Course::new(scene)?;
     course.record_forces(forces);
+    course.pin_loads = pin_loads.then(|| PinLoads::new(state.positions.len()));
     let [stored, contact_energy_at_start] = course.stored(state);
     let start_lift = start::lift(scene, contact_energy_at_start);
     let contacts = course.contacts.as_ref().map(|timed| &timed.source.contacts);
@@ -379,6 +408,7 @@ fn take_steps(
             state,
             report: &report,
             forces: course.forces(),
+            pin_loads: course.pin_loads.as_ref().map(PinLoads::mean),
             held,
             given,
             tangled: course.untangling.before(step),

@@ -14,6 +14,8 @@ mod energy;
 mod momentum;
 #[path = "contract/no_alloc.rs"]
 mod no_alloc;
+#[path = "contract/pin_loads.rs"]
+mod pin_loads;
 #[path = "contract/potential.rs"]
 mod potential;
 #[path = "contract/refuses.rs"]

@@ -68,6 +68,8 @@ pub struct StepInput<'a> {
     pub contacts: Option<&'a mut dyn ContactSource>,
     /// Watches the iterations. `None`: nothing is computed for it.
     pub observer: Option<&'a mut dyn Observer>,
+    /// Gets the forces at prescribed vertices ([`pin_forces`](Self::pin_forces)). `None`: nothing is computed for it.
+    pub pin_forces: Option<&'a mut [Vec3]>,
 }
 
 impl fmt::Debug for StepInput<'_> {
@@ -79,6 +81,7 @@ impl fmt::Debug for StepInput<'_> {
             .field("air", &self.air.is_some())
             .field("contacts", &self.contacts.is_some())
             .field("observer", &self.observer.is_some())
+            .field("pin_forces", &self.pin_forces.is_some())
             .finish()
     }
 }
@@ -94,6 +97,7 @@ impl<'a> StepInput<'a> {
             air: None,
             contacts: None,
             observer: None,
+            pin_forces: None,
         }
     }
 
@@ -130,6 +134,39 @@ impl<'a> StepInput<'a> {
     pub fn observer(mut self, observer: &'a mut dyn Observer) -> Self {
         self.observer = Some(observer);
         self
+    }
+
+    /// Asks for the force (N) with which the elements pull at each prescribed vertex, the mean of the step: the opposite
+    /// of that by which the method has moved the others. So the momentum of the free vertices changes by Δt times what
+    /// gravity and load do to them less the sum of `out`, in a method that takes the forces of a step from its end or
+    /// from its substeps. Zero at free vertices. Contact, air and the weight of the vertex itself come on top.
+    ///
+    /// [`StepReport::tells_pin_forces`] says whether the method has written them.
+    #[must_use]
+    pub fn pin_forces(mut self, out: &'a mut [Vec3]) -> Self {
+        self.pin_forces = Some(out);
+        self
+    }
+
+    /// For methods: sets the [`pin_forces`](Self::pin_forces) to zero. Returns whether they are asked for.
+    ///
+    /// # Panics
+    /// If there is not one for each of `vertex_count` vertices.
+    pub fn begin_pin_forces(&mut self, vertex_count: usize) -> bool {
+        let Some(out) = &mut self.pin_forces else {
+            return false;
+        };
+        assert_eq!(out.len(), vertex_count, "number of forces at pins");
+        out.fill(Vec3::zeros());
+        true
+    }
+
+    /// For methods: adds a force (N) to those at a prescribed vertex, if they are asked for.
+    #[inline]
+    pub fn add_pin_force(&mut self, vertex: usize, force: Vec3) {
+        if let Some(out) = &mut self.pin_forces {
+            out[vertex] += force;
+        }
     }
 
     /// Checks what a caller can get wrong with data; every method calls it first.
@@ -197,6 +234,7 @@ impl<'a> StepInput<'a> {
             air: self.air,
             contacts: contacts.map(|contacts| contacts as &mut dyn ContactSource),
             observer: self.observer.map(|observer| observer as &mut dyn Observer),
+            pin_forces: self.pin_forces,
         }
     }
 
@@ -274,6 +312,8 @@ pub struct StepReport {
     pub residual: Option<Real>,
     /// Work (J) that prescribed vertices did on the others, if the method adds it up over its substeps.
     pub pin_work: Option<Real>,
+    /// Whether the method has written the [`pin_forces`](StepInput::pin_forces) that it was asked for.
+    pub tells_pin_forces: bool,
     /// Work (J) of the load, if that is another than the load times the displacement.
     pub load_work: Option<Real>,
 }
@@ -297,6 +337,7 @@ impl StepReport {
             unfinished: 0,
             residual: None,
             pin_work: None,
+            tells_pin_forces: false,
             load_work: None,
         }
     }
@@ -322,6 +363,7 @@ impl StepReport {
             unfinished: self.unfinished + next.unfinished,
             residual: next.residual,
             pin_work: self.pin_work.zip(next.pin_work).map(|(a, b)| a + b),
+            tells_pin_forces: self.tells_pin_forces && next.tells_pin_forces,
             load_work: self.load_work.zip(next.load_work).map(|(a, b)| a + b),
         }
     }

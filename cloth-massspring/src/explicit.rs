@@ -171,6 +171,7 @@ impl Explicit {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         input.check(state, self.model.particles.len())?;
+        let tells_pin_forces = input.begin_pin_forces(self.model.particles.len());
         self.positions.copy_from_slice(&state.positions);
         self.velocities.copy_from_slice(&state.velocities);
         self.model.energies.set_time(state.time);
@@ -226,6 +227,7 @@ impl Explicit {
         state.steps += 1;
         Ok(StepReport {
             pin_work: Some(pin_work),
+            tells_pin_forces,
             ..StepReport::new(Outcome::Converged, substeps)
         })
     }
@@ -273,6 +275,7 @@ impl Explicit {
             work,
             ..EnergyBalance::default()
         };
+        let share = 1.0 / Real::from(self.model.config.substeps);
         let particles = &self.model.particles;
         let masses = particles.mass().iter().zip(particles.inverse_mass());
         for (vertex, (&mass, &w)) in masses.enumerate() {
@@ -298,6 +301,7 @@ impl Explicit {
             if w == 0.0 {
                 // The pin moves against the elastic force.
                 balance.pin_work += gradient.dot(&after) * dt;
+                input.add_pin_force(vertex, -gradient * share);
             } else {
                 // Forward Euler moves by it in the next substep, but has its kinetic energy in this one.
                 balance.work += mass * external.dot(&after) * dt;

@@ -380,7 +380,10 @@ impl Implicit {
             report = self.minimizer.minimize(&task, observer, contact)?;
             report.unfinished = u32::from(report.outcome == Outcome::BudgetSpent);
         }
-        report.pin_work = self.pin_work(state, input.dt);
+        let asks = input.begin_pin_forces(self.particles.len());
+        // A linearised step has moved the cloth by other forces than those where it ends.
+        report.tells_pin_forces = asks && self.config.solve != Solve::Linearized;
+        report.pin_work = self.pin_work(state, input, report.tells_pin_forces);
         let overflow = |vertex: &usize| {
             let [x, v] = self.end(*vertex, state, input.dt, interval);
             !x.iter().chain(&v).all(|c| c.is_finite())
@@ -478,12 +481,14 @@ impl Implicit {
         }
     }
 
-    /// Work (J) of prescribed vertices, by the forces that the stage ends with; nothing where none moves.
-    fn pin_work(&mut self, state: &State, dt: Real) -> Option<Real> {
-        let moves =
-            |&v: &usize| self.particles.is_prescribed(v) && state.velocities[v] != Vec3::zeros();
-        let moving = (0..self.particles.len()).filter(moves);
-        moving.clone().next()?;
+    /// Work (J) of prescribed vertices, by the forces that the stage ends with, and these to `input`, where the step
+    /// tells them; no work where no vertex moves.
+    fn pin_work(&mut self, state: &State, input: &mut StepInput<'_>, tells: bool) -> Option<Real> {
+        let held = (0..self.particles.len()).filter(|&v| self.particles.is_prescribed(v));
+        let moves = held.clone().any(|v| state.velocities[v] != Vec3::zeros());
+        if !moves && !tells {
+            return None;
+        }
         let (x, forces) = (
             &self.minimizer.current.positions,
             &mut self.minimizer.next.gradient,
@@ -493,11 +498,14 @@ impl Implicit {
         if let Some(damper) = &self.damper {
             damper.add_gradient(x, forces);
         }
-        Some(
-            moving
-                .map(|v| forces[v].dot(&state.velocities[v]) * dt)
-                .sum(),
-        )
+        let mut work = 0.0;
+        for v in held {
+            work += forces[v].dot(&state.velocities[v]) * input.dt;
+            if tells {
+                input.add_pin_force(v, -forces[v]);
+            }
+        }
+        moves.then_some(work)
     }
 
     /// Whether the state is the one that the last step left.

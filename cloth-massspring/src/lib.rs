@@ -292,11 +292,11 @@
 //! is built: to grab or release another vertex, build a new one and go on with the state. (A new [`Bdf2`] begins with
 //! one step of implicit Euler.) Pins leave the unknowns; their gradient is zero, so they count in no norm.
 //!
-//! The elastic force with which the cloth pulls at a pin is `−∂E/∂x` there, at the positions where the integrator takes
-//! its forces: `x[1]` of implicit Euler and BDF2, `(x[0] + x[1])/2` of midpoint, the start of explicit (sub)steps. In
-//! no integrator does it contain what damping and contact add at a pin. [`ImplicitEuler`](ImplicitEuler#force-at-a-pin)
-//! has an example. `pin_work` (J) in the report is the work of moving pins against elastic forces and stiffness
-//! damping; BDF2 has it only in steps in which it starts again.
+//! The cloth pulls at a pin with `−∂E/∂x` where the integrator takes its forces: `x[1]` of implicit Euler and BDF2, the
+//! middle of midpoint, the start of explicit substeps. [`StepInput::pin_forces`](cloth_core::StepInput::pin_forces) asks
+//! for it, with stiffness damping and without contact (by hand: [`ImplicitEuler`](ImplicitEuler#force-at-a-pin)). A
+//! linearised step does not tell it: what moved its cloth is another force. `pin_work` (J) in the report is the work of
+//! moving pins against these forces; BDF2 has it only in steps in which it starts again.
 //!
 //! # Contact
 //! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,

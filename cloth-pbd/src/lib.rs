@@ -160,7 +160,7 @@
 //! | relaxation ω; extrapolation by ρ | [`Acceleration`], [`Chebyshev`] |
 //! | `((1 − s)^(−n) − 1)/(h² w̃)` | [`effective_stiffness`] |
 //! | `1 − (1 + k h² w̃)^(−1/n)` | [`projection_stiffness`] |
-//! | work of prescribed vertices, `−Σ ∂C/∂xᵢ·vᵢ ΣΔλ/h` | [`Motion::count_pin_work`] |
+//! | work of prescribed vertices, `−Σ ∂C/∂xᵢ·vᵢ ΣΔλ/h`, and `Σ ∂C/∂xᵢ ΣΔλ/h²`, their forces | [`Motion::count_pin_work`] |
 //! | the loop around them | [`PbdSolver`]: `solver.rs` |
 //! | coarse levels: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ` | [`Hierarchy`], [`PbdSolver::with_hierarchy`] |
 //! | `σ_min ≤ σ ≤ σ_max` | [`StrainLimiter`], [`WithStrainLimit`] |

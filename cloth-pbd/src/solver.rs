@@ -67,7 +67,7 @@ impl PbdSolver {
             stiffness: self.config.stiffness,
             substep: h,
             iterations: self.config.iterations,
-            accumulates: self.motion.moving_pins().is_some(),
+            accumulates: self.motion.needs_pin_forces(),
         };
         if self.substep != Some(h) {
             let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
@@ -110,12 +110,11 @@ impl Stepper for PbdSolver {
                 });
             }
             let motion = &mut self.motion;
-            motion.count_pin_work(&self.families, |seen| seen.memory.lambda);
+            motion.count_pin_work(&mut input, &self.families, |seen| seen.memory.lambda);
             self.motion.update_velocities(&mut input)?; // v ← v + (x − x̃)/h
         }
         let report = self.motion.finish(state, &mut input)?;
         Ok(StepReport {
-            pin_work: Some(self.motion.pin_work()),
             chebyshev_fallbacks: (self.families.chebyshev_fallbacks() - fallbacks_before) as u32,
             ..report
         })

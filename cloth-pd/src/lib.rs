@@ -258,7 +258,7 @@
 //! once, then [`move_attachment`](PdSolver::move_attachment). A load f holds an attached vertex f/k away from its
 //! target: with k a hundred times the stiffness of its springs, by a hundredth of what they are stretched. The work of
 //! prescribed vertices in a step is in [`StepReport::pin_work`](cloth_core::step::StepReport::pin_work) (J), if one
-//! moves; the force of a pin is not given.
+//! moves; [`StepInput::pin_forces`](cloth_core::StepInput::pin_forces) asks for the forces there.
 //!
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release),
 //! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve by the

@@ -1,4 +1,4 @@
-//! The work of prescribed vertices in a step that has not converged.
+//! Forces at prescribed vertices and their work, in a step that has not converged.
 //!
 //! The elastic force −∂E/∂x at the end of such a step is not the one that has moved the cloth: a stiff edge whose
 //! stretch is a little wrong pulls much too hard, or not at all. The force that a plain iteration from there would use
@@ -16,14 +16,20 @@
 use crate::contact::Contact;
 use crate::solver::PdSolver;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::step::StepInput;
 
 impl PdSolver {
-    /// f·Δx over the prescribed vertices that move in the step which ends at the point (J); nothing where none does.
-    pub(crate) fn pin_work(&mut self, contact: &Contact<'_>) -> Option<Real> {
+    /// f·Δx over the prescribed vertices that move in the step which ends at the point (J), and −f (N), where `input`
+    /// asks for it; nothing where no vertex moves and nobody asks.
+    pub(crate) fn pin_work(
+        &mut self,
+        contact: &Contact<'_>,
+        input: &mut StepInput<'_>,
+    ) -> Option<Real> {
         let inverse_mass = self.objective.particles.inverse_mass();
         let moves = |(q, w): (&Vec3, &Real)| *w == 0.0 && *q != Vec3::zeros();
         let is_moved = self.point.displacement.iter().zip(inverse_mass).any(moves);
-        if !is_moved || self.global.is_empty() {
+        if !is_moved && input.pin_forces.is_none() {
             return None;
         }
         if !self.point.is_evaluated {
@@ -31,7 +37,11 @@ impl PdSolver {
         }
         let (forces, back) = (&mut self.fallback.gradient, &mut self.fallback.displacement);
         self.objective.write_forces(&self.point, forces);
-        self.global.solve(&self.point.gradient, back);
+        if self.global.is_empty() {
+            back.fill(Vec3::zeros()); // no vertex can move
+        } else {
+            self.global.solve(&self.point.gradient, back);
+        }
         let inverse_mass = self.objective.particles.inverse_mass();
         let is_prescribed = |v: usize| inverse_mass[v] == 0.0;
         for (&value, (i, j)) in self.global.stiffness().iter() {
@@ -41,10 +51,11 @@ impl PdSolver {
                 _ => {}
             }
         }
-        let held = (0..forces.len()).filter(|&v| is_prescribed(v));
-        Some(
-            held.map(|v| forces[v].dot(&self.point.displacement[v]))
-                .sum(),
-        )
+        let mut work = 0.0;
+        for v in (0..forces.len()).filter(|&v| is_prescribed(v)) {
+            work += forces[v].dot(&self.point.displacement[v]);
+            input.add_pin_force(v, -forces[v]);
+        }
+        is_moved.then_some(work)
     }
 }

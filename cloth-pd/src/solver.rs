@@ -134,7 +134,8 @@ impl Stepper for PdSolver {
         let mut contact = source.as_mut().map(|source| source.potential());
         let solved = self.solve(state, reference, &mut report, &mut input, &mut contact);
         solved.map_err(|reason| StepError::Contact { reason, step })?;
-        report.pin_work = self.pin_work(&contact);
+        report.tells_pin_forces = input.begin_pin_forces(self.point.positions.len());
+        report.pin_work = self.pin_work(&contact, &mut input);
         self.find_velocities(state, input.dt)?;
         if let Some(air) = input.air.as_mut().filter(|_| is_air_implicit) {
             let w = self.objective.particles.inverse_mass();

@@ -3,6 +3,7 @@
 use crate::solver::XpbdSolver;
 use crate::update::Multiplier;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::step::StepInput;
 
 /// The force of one row in the last substep: its impulse λ/h over h. Of a converged undamped row that is −k C at the
 /// *end* of the substep.
@@ -99,12 +100,10 @@ impl XpbdSolver {
     }
 
     /// Adds the work of prescribed vertices in a substep, after its sweeps.
-    pub(crate) fn count_pin_work(&mut self) {
-        if self.motion.moving_pins().is_none() {
-            return;
-        }
+    pub(crate) fn count_pin_work(&mut self, input: &mut StepInput<'_>) {
         let mut offsets = self.prescribed_offsets.iter();
-        self.motion.count_pin_work(&self.families, |seen| {
+        let families = &self.families;
+        self.motion.count_pin_work(input, families, |seen| {
             seen.memory.lambda() + offsets.next().unwrap_or(&0.0)
         });
     }

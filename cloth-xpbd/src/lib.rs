@@ -249,7 +249,8 @@
 //!
 //! # Forces
 //! `Jᵀλ/h²` (N): [`XpbdSolver::each_force`] row by row, [`XpbdSolver::vertex_forces_into`] summed at the vertices (at a
-//! prescribed one the load on its support, at rest the weight); [`XpbdSolver::multipliers_into`]: λ.
+//! prescribed one the load on its support, at rest the weight; [`StepInput::pin_forces`] asks for the mean of a step);
+//! [`XpbdSolver::multipliers_into`]: λ.
 //!
 //! # How many substeps, how many iterations
 //! The closed forms of a straight chain of N rigid links of length l tell what a setting leaves on top of the elastic

@@ -129,8 +129,8 @@ trait Family: Debug + Send {
     fn reset(&mut self);
     /// One sweep over positions (m, relative to the origin) with the inverse mass (1/kg) as the fourth number.
     fn sweep(&mut self, x: &mut [f32x4]);
-    /// `Σ Jᵀλ·v` (kg m²/s) over the prescribed vertices, which have the velocities `v` (m/s).
-    fn power(&self, x: &[f32x4], v: &[Vec3]) -> Real;
+    /// Shows `Jᵀλ` (kg m) of each row at prescribed vertices, each with its number.
+    fn each_pin_impulse(&self, x: &[f32x4], see: &mut dyn FnMut(usize, Vec3));
 }
 
 /// Whether the fourth number, the inverse mass, is that of a prescribed vertex.
@@ -194,19 +194,18 @@ impl Stepper for SingleXpbd {
                     }
                 });
             }
-            if let Some(v) = self.motion.moving_pins() {
+            if self.motion.needs_pin_forces() {
                 // As in double precision: each moved by h v against Jᵀλ/h².
-                let x = self.positions.as_slice();
-                let power: Real = self.families.iter().map(|f| f.power(x, v)).sum();
-                self.motion.add_pin_work(-power / h);
+                let (x, motion) = (self.positions.as_slice(), &mut self.motion);
+                for family in &self.families {
+                    family.each_pin_impulse(x, &mut |vertex, impulse| {
+                        motion.add_pin_impulse(&mut input, vertex, impulse);
+                    });
+                }
             }
             self.motion.update_velocities(&mut input)?; // v ← v + (x − x̃)/h
         }
-        let report = self.motion.finish(state, &mut input)?;
-        Ok(StepReport {
-            pin_work: Some(self.motion.pin_work()),
-            ..report
-        })
+        self.motion.finish(state, &mut input)
     }
 }
 

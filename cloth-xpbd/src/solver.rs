@@ -126,7 +126,6 @@ impl Stepper for XpbdSolver {
         Ok(StepReport {
             iterations: sweeps,
             refinements,
-            pin_work: Some(self.motion.pin_work()),
             chebyshev_fallbacks: (self.families.chebyshev_fallbacks() - fallbacks_before) as u32,
             ..report
         })
@@ -161,7 +160,7 @@ impl XpbdSolver {
                     self.families.sweep(&update, w, x); // Δλ of every row, x moved along
                 });
             }
-            self.count_pin_work();
+            self.count_pin_work(input);
             self.motion.update_velocities(input)?; // v ← v + (x − x̃)/h
         }
         Ok(update)
@@ -226,7 +225,7 @@ impl XpbdSolver {
             return;
         }
         self.prescribed_offsets.clear();
-        if self.motion.moving_pins().is_some() {
+        if self.motion.needs_pin_forces() {
             let offsets = &mut self.prescribed_offsets;
             self.families
                 .inspect_prescribed(w, x, |seen| offsets.push(-seen.memory.lambda()));

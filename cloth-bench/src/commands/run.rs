@@ -2,6 +2,7 @@
 
 mod forces;
 mod picture;
+mod pin_loads;
 
 use super::{PATIENCE, print_pairs, while_saying, write_file};
 use crate::error::BenchError;
@@ -18,6 +19,7 @@ use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::step::Stepper;
 use forces::ForcesTable;
 use indicatif::{ProgressBar, ProgressStyle};
+use pin_loads::PinLoadsTable;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -102,6 +104,10 @@ pub struct Arguments {
     /// vertex
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,
+    /// CSV file for the force with which the cloth pulls at every held vertex in every step, and for their sum: its
+    /// elements, the weight of the vertex itself and forces of the scene, without air and contact
+    #[arg(long, value_name = "FILE")]
+    pin_loads: Option<PathBuf>,
     /// PNG file for a picture of the end
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -197,6 +203,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             scene.name
         )));
     }
+    let holds = scene.model.particles.free_count() < scene.model.particles.len();
+    if arguments.pin_loads.is_some() && !holds && scene.changes.is_empty() {
+        return Err(BenchError::Usage(format!(
+            "--pin-loads is for held vertices, and scene `{}` has none",
+            scene.name
+        )));
+    }
     if arguments.reference && !scene.is_plain() {
         return Err(BenchError::Usage(
             "--reference compares with a step without contact and air and with pins at rest; this scene has other steps".into(),
@@ -238,6 +251,7 @@ fn simulate(
     let export = export.map(|folder| Export::begin(scene, folder, format, every));
     let mut export = export.transpose()?;
     let mut table = arguments.forces.is_some().then(ForcesTable::default);
+    let mut pin_loads = arguments.pin_loads.is_some().then(PinLoadsTable::default);
     let bar = progress_bar(steps);
     let mut tangles = TangleProgress::default();
     let of_bodies = scene.touch.iter().flat_map(ContactSetup::notes);
@@ -275,6 +289,9 @@ fn simulate(
         if let Some(table) = &mut table {
             table.add(moment);
         }
+        if let Some(table) = &mut pin_loads {
+            table.add(moment);
+        }
         let limit = arguments.time_limit.unwrap_or(Real::INFINITY);
         let taken = begun.elapsed().as_secs_f64();
         if step < steps && taken > limit {
@@ -296,6 +313,7 @@ fn simulate(
             dt,
             steps,
             forces: arguments.forces.is_some(),
+            pin_loads: arguments.pin_loads.is_some(),
         };
         run_changing(scene, &mut solver, &mut state, plan, after)
     });
@@ -303,6 +321,9 @@ fn simulate(
     // Of a run that failed too: what came before the failure may show why.
     let exported = export.map(Export::finish).transpose();
     if let (Some(file), Some(table)) = (&arguments.forces, &table) {
+        write_file(file, table.text().as_bytes())?;
+    }
+    if let (Some(file), Some(table)) = (&arguments.pin_loads, &pin_loads) {
         write_file(file, table.text().as_bytes())?;
     }
     let vertices = state.positions.len();

@@ -7,6 +7,7 @@
 
 use super::Course;
 use super::energy::EnergyBalance;
+use super::pin_loads::PinLoads;
 use super::timed::Timed;
 use crate::error::BenchError;
 use crate::scene::ContactSetup;
@@ -36,6 +37,7 @@ impl Course<'_> {
         mut balance: Option<&mut EnergyBalance>,
     ) -> Result<StepReport, BenchError> {
         self.mean_forces = None;
+        self.pin_loads.iter_mut().for_each(PinLoads::begin_step);
         self.untangling.begin_step();
         let parts = self.scene.parts(dt) * stepper.preferred_substeps();
         let part = dt / Real::from(parts);
@@ -112,6 +114,7 @@ impl Course<'_> {
 
     /// Adds the forces of one of several parts of a step, which is `share` of it.
     fn add_forces(&mut self, share: Real) {
+        self.pin_loads.iter_mut().for_each(|pins| pins.add(share));
         if !self.forces || share == 1.0 {
             return;
         }

@@ -61,13 +61,17 @@ impl Stepper for DirectXpbd {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         input.check(state, self.particles.len())?;
+        let asks_pin_forces = input.begin_pin_forces(self.particles.len());
         let written = self.substeps(state, &mut input);
         if written.is_err() {
             // A failed step must not warm-start the next one.
             self.last = None;
             self.multipliers.fill(0.0);
         }
-        written
+        Ok(StepReport {
+            tells_pin_forces: asks_pin_forces,
+            ..written?
+        })
     }
 }
 
@@ -136,7 +140,7 @@ impl DirectXpbd {
             air.begin_projection(w, input.dt);
         }
         let report = self.iterate(current, input, sum.iterations)?;
-        let work = sum.pin_work.unwrap_or(0.0) + self.pin_work(current);
+        let work = sum.pin_work.unwrap_or(0.0) + self.pin_work(current, input);
         let converged = sum.outcome == Outcome::Converged;
         *sum = StepReport {
             outcome: if converged {
@@ -431,19 +435,22 @@ impl DirectXpbd {
         report.residual = Some(self.residuals.compliance);
     }
 
-    /// Work (J) of the prescribed vertices in the step from `state`: each moved by Δt v against the force
-    /// `Jᵀλ/Δt²` on it.
-    fn pin_work(&self, state: &State) -> Real {
+    /// Work (J) of the prescribed vertices in the substep from `state`: each moved by h v against the force `Jᵀλ/h²` on
+    /// it, which is added to those that `input` asks for, as its share of the whole step.
+    fn pin_work(&self, state: &State, input: &mut StepInput<'_>) -> Real {
         let Some(update) = self.last else {
             return 0.0;
         };
         let mut work = 0.0;
+        let share = 1.0 / Real::from(self.config.substeps);
         for (row, &multiplier) in self.multipliers.iter().enumerate() {
             for e in self.rows.entries(row) {
                 let vertex = self.rows.vertices[e] as usize;
                 if self.particles.is_prescribed(vertex) {
                     let velocity = &state.velocities[vertex];
-                    work -= self.rows.gradient[e].dot(velocity) * update.impulse(multiplier);
+                    let gradient = &self.rows.gradient[e];
+                    work -= gradient.dot(velocity) * update.impulse(multiplier);
+                    input.add_pin_force(vertex, gradient * (update.force(multiplier) * share));
                 }
             }
         }

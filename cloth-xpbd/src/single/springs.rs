@@ -111,15 +111,14 @@ impl Family for Springs {
         self.packs.sweep(&mut self.memory, x, project);
     }
 
-    fn power(&self, x: &[f32x4], v: &[Vec3]) -> Real {
-        let mut power = 0.0;
+    fn each_pin_impulse(&self, x: &[f32x4], see: &mut dyn FnMut(usize, Vec3)) {
         for (pack, memory) in self.packs.elements().iter().zip(&self.memory) {
             let lambdas = memory.lambda.to_array();
             let compliances = memory.scaled_compliance.to_array();
             for (i, lambda) in lambdas.into_iter().enumerate() {
                 let ends = [pack.vertices[i], pack.vertices[i + 4]];
                 let [a, b] = ends.map(|end| &x[end as usize]);
-                // Padding has no velocity.
+                // Padding has no λ.
                 let held = [a, b].map(is_prescribed);
                 if lambda == 0.0 || held == [false, false] {
                     continue;
@@ -133,12 +132,11 @@ impl Family for Springs {
                 let direction = length_and_direction(d, ends).1;
                 for (end, sign) in ends.into_iter().zip([1.0, -1.0]) {
                     if is_prescribed(&x[end as usize]) {
-                        power += sign * Real::from(lambda) * direction.dot(&v[end as usize]);
+                        see(end as usize, direction * (sign * Real::from(lambda)));
                     }
                 }
             }
         }
-        power
     }
 }
 

@@ -112,18 +112,16 @@ impl<const N: usize> Family for VectorRows<N> {
         self.rows.sweep(&mut self.memory, x, project);
     }
 
-    fn power(&self, x: &[f32x4], v: &[Vec3]) -> Real {
-        let mut power = 0.0;
+    fn each_pin_impulse(&self, x: &[f32x4], see: &mut dyn FnMut(usize, Vec3)) {
         for (row, memory) in self.rows.elements().iter().zip(&self.memory) {
             for (&vertex, &q) in row.vertices.iter().zip(&row.coefficients) {
                 if is_prescribed(&x[vertex as usize]) {
                     let lambda = memory.lambda.to_array();
                     let lambda = Vec3::from_fn(|axis, _| Real::from(lambda[axis]));
-                    power += Real::from(q) * lambda.dot(&v[vertex as usize]);
+                    see(vertex as usize, lambda * Real::from(q));
                 }
             }
         }
-        power
     }
 }
 

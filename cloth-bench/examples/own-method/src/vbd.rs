@@ -423,7 +423,15 @@ impl Stepper for VertexBlockDescent {
                 return Err(StepError::ContactNotFelt { remedy });
             }
         }
-        let report = self.iterate(&mut input, &mut contact).map_err(failed)?;
+        let mut report = self.iterate(&mut input, &mut contact).map_err(failed)?;
+        report.tells_pin_forces = input.begin_pin_forces(self.x.len());
+        if report.tells_pin_forces {
+            let gradient = &mut self.before; // free until the next step
+            gradient.fill(Vec3::zeros());
+            self.energies.add_gradient(&self.x, gradient);
+            let pins = (0..self.x.len()).filter(|&v| self.inverse_mass[v] == 0.0);
+            pins.for_each(|v| input.add_pin_force(v, -gradient[v]));
+        }
         for v in 0..self.x.len() {
             self.velocities[v] = (self.x[v] - state.positions[v]) / dt;
         }

@@ -33,8 +33,10 @@ pub struct Motion {
     substep: Real,
     /// Time (s) since the forces of the air were linearised.
     since_air_linearized: Real,
-    /// Whether a prescribed vertex moves in this step.
+    /// Whether a prescribed vertex moves in this step, whether the forces at all of them are asked for, and told.
     pins_move: bool,
+    asks_pin_forces: bool,
+    tells_pin_forces: bool,
     /// Work (J) of prescribed vertices since `begin`.
     pin_work: Real,
     /// Iterations since `begin`.
@@ -57,6 +59,8 @@ impl Motion {
             substep: 0.0,
             since_air_linearized: Real::INFINITY,
             pins_move: false,
+            asks_pin_forces: false,
+            tells_pin_forces: false,
             pin_work: 0.0,
             iterations: 0,
             step: 0,
@@ -106,6 +110,8 @@ impl Motion {
         self.velocities.copy_from_slice(&state.velocities);
         let mut moving = self.inverse_mass.iter().zip(&self.velocities);
         self.pins_move = moving.any(|(w, v)| *w == 0.0 && *v != Vec3::zeros());
+        self.asks_pin_forces = input.begin_pin_forces(self.vertex_count());
+        self.tells_pin_forces = false;
         self.pin_work = 0.0;
         self.iterations = 0;
         self.step = state.steps + 1;
@@ -170,11 +176,10 @@ impl Motion {
         }
     }
 
-    /// Velocities (m/s) of all vertices, if a prescribed one moves in this step; those of prescribed vertices
-    /// are constant in it.
+    /// Whether the forces at prescribed vertices count in this step: one moves, or they are asked for.
     #[must_use]
-    pub fn moving_pins(&self) -> Option<&[Vec3]> {
-        self.pins_move.then_some(&self.velocities)
+    pub fn needs_pin_forces(&self) -> bool {
+        self.pins_move || self.asks_pin_forces
     }
 
     /// Work (J) of prescribed vertices in this step, as far as it was added.
@@ -185,34 +190,42 @@ impl Motion {
 
     /// Adds the work of prescribed vertices in the substep whose sweeps have ended: each moved by `h v` against
     /// the force `Jᵀλ/h²` on it, with the λ of each row (kg m² per unit of C) from `multiplier` and J at the
-    /// end of the sweeps. Nothing is done where no such vertex moves.
+    /// end of the sweeps; and these forces to those that `input` asks for. Nothing is done where no such vertex moves
+    /// and nobody asks.
     ///
     /// The row has moved the others by `wᵢ ∂C/∂xᵢ λ`, so this is the work done on them, whatever the residual.
     /// The error is that of J where a row turns during the sweeps, and falls with the angle.
     pub fn count_pin_work<R: ConstraintUpdate>(
         &mut self,
+        input: &mut StepInput<'_>,
         families: &Families<R>,
         mut multiplier: impl FnMut(&RowView<'_, R::Memory>) -> Real,
     ) {
-        let Some(v) = self.moving_pins() else {
+        if !self.needs_pin_forces() {
             return;
-        };
-        let (w, h) = (&self.inverse_mass, self.substep);
+        }
+        let (w, v, h) = (&self.inverse_mass, &self.velocities, self.substep);
         let mut work = 0.0;
         families.inspect_prescribed(w, &self.positions, |seen| {
             let impulse = multiplier(&seen) / h;
             for (&vertex, gradient) in seen.vertices.iter().zip(seen.gradient) {
                 if w[vertex as usize] == 0.0 {
                     work -= gradient.dot(&v[vertex as usize]) * impulse;
+                    input.add_pin_force(vertex as usize, gradient * (impulse / input.dt));
                 }
             }
         });
-        self.add_pin_work(work);
+        self.pin_work += work;
+        self.tells_pin_forces = self.asks_pin_forces;
     }
 
-    /// Adds work (J) of prescribed vertices.
-    pub fn add_pin_work(&mut self, work: Real) {
-        self.pin_work += work;
+    /// The same for a method with families of its own, where [`needs_pin_forces`](Self::needs_pin_forces) says so: `Jᵀλ`
+    /// (kg m) of a row at a prescribed vertex, in the substep whose sweeps have ended.
+    pub fn add_pin_impulse(&mut self, input: &mut StepInput<'_>, vertex: usize, impulse: Vec3) {
+        let h = self.substep;
+        self.pin_work -= impulse.dot(&self.velocities[vertex]) / h;
+        input.add_pin_force(vertex, impulse / (h * input.dt));
+        self.tells_pin_forces = self.asks_pin_forces;
     }
 
     /// `v ← v + (x − x̃)/h`, with x̃ the prediction and h its substep; contact changes x before it, and v after it.
@@ -294,6 +307,10 @@ impl Motion {
         state.velocities.copy_from_slice(&self.velocities);
         state.time += input.dt;
         state.steps = step;
-        Ok(StepReport::new(Outcome::BudgetSpent, self.iterations))
+        Ok(StepReport {
+            pin_work: Some(self.pin_work),
+            tells_pin_forces: self.tells_pin_forces,
+            ..StepReport::new(Outcome::BudgetSpent, self.iterations)
+        })
     }
 }
