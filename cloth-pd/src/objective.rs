@@ -350,6 +350,11 @@ impl Objective {
         self.mass_norm(|vertex| point.displacement[vertex]) / self.dt
     }
 
+    /// `‖x‖_M/Δt` (√J) at the point: what a rounding error of positions makes of velocities, over the relative error.
+    pub(crate) fn position_speed(&self, point: &Point) -> Real {
+        self.mass_norm(|vertex| point.positions[vertex]) / self.dt
+    }
+
     /// Norm in the metric of M (m √kg) of what free vertices have.
     fn mass_norm(&self, of: impl Fn(usize) -> Vec3) -> Real {
         let particles = &self.particles;

@@ -28,6 +28,12 @@
 //! little.) Where all forces are linear and nothing touches, no oscillation grows, resolved or not ([why](Bdf2)), and
 //! the test is left out.
 //!
+//! A load that sets in or ends has no parabola through its jump either, and that is known before the step: after
+//! `v[0] = v[−1] + Δt a` a step without the load would begin with `v_b = v[0] + Δt a/3`, the next with a third of this
+//! more, and so on, `Δt a/2` together; where it sets in, as much is lost. So a step whose load differs from the last one
+//! by more than half of the larger of the two, in the norm `‖M⁻¹f‖_M`, is one of implicit Euler too: an impulse is then
+//! what it is, to rounding.
+//!
 //! C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952,
 //! <https://doi.org/10.1073/pnas.38.3.235>; for cloth, with one linear solve a step
 //! ([`Solve::Linearized`](crate::Solve::Linearized)): K.-J. Choi, H.-S. Ko, 2002,
@@ -62,10 +68,10 @@ const JUMP: Real = 0.1;
 /// each of T/Δt steps. (Where every other step starts again, the run is of first order.) So the state may be changed
 /// between two steps, but whoever changes it before every step gets implicit Euler. Velocities of prescribed vertices
 /// may change: moving a pin is no restart. A jump of velocities is a restart, measured over the whole cloth: where
-/// contact stops it, where it snaps
-/// taut, where a load sets in; and, unless all forces are linear, where most of its motion has Δt ω above 0.57, about
-/// 11 steps a period or fewer, and gravity and load are small beside it. Such cloth, and what slides and folds, takes
-/// up to every other step by implicit Euler, to which the λ above does not apply.
+/// contact stops it or it snaps taut, and so is a load that sets in or ends; and, unless all forces are linear, where
+/// most of its motion has Δt ω above 0.57, about 11 steps a period or fewer, and gravity and load are small beside it.
+/// Such cloth, and what slides and folds, takes up to every other step by implicit Euler, to which the λ above does not
+/// apply.
 ///
 /// Damping: drag and stiffness act at the end of the step, both with second order.
 ///
@@ -83,6 +89,8 @@ pub struct Bdf2 {
     has_jumped: bool,
     /// Load and air at its end (N); nothing if there was neither.
     force: Vec<Vec3>,
+    /// Its load alone (N); nothing if there was none.
+    load: Vec<Vec3>,
 }
 
 impl Bdf2 {
@@ -97,6 +105,7 @@ impl Bdf2 {
                 dt: None,
                 has_jumped: false,
                 force: Vec::new(),
+                load: Vec::new(),
                 implicit,
             }
         })
@@ -138,6 +147,19 @@ impl Bdf2 {
             }
         }
         jump > JUMP * all
+    }
+
+    /// Whether the load differs from that of the last step by more than half of the larger of the two.
+    fn load_jumps(&self, input: &StepInput<'_>) -> bool {
+        let (mut change, mut before, mut now) = (0.0, 0.0, 0.0);
+        for (vertex, &w) in self.implicit.particles.inverse_mass().iter().enumerate() {
+            let old = self.load.get(vertex).copied().unwrap_or_default();
+            let new = input.load.map_or(Vec3::zeros(), |load| load[vertex]);
+            change += w * (new - old).norm_squared();
+            before += w * old.norm_squared();
+            now += w * new.norm_squared();
+        }
+        change > 0.25 * Real::max(before, now)
     }
 
     /// Upper bound on the work (J) of load and air in a step that ended in `state`: by the velocity at the end, where
@@ -186,7 +208,8 @@ impl Stepper for Bdf2 {
         let is_linear = input.contacts.is_none() && self.implicit.energies.are_quadratic();
         let fall = (!is_linear).then(|| self.fall(&input));
         let mut has_jumped = false;
-        let report = if self.continues(state, dt) && !self.has_jumped {
+        let has_jumped_before = self.has_jumped || self.load_jumps(&input);
+        let report = if self.continues(state, dt) && !has_jumped_before {
             let [positions, velocities] = &self.before;
             let third = |now: Vec3, before: Vec3| now + (now - before) / 3.0;
             let interval = Interval {
@@ -214,6 +237,8 @@ impl Stepper for Bdf2 {
             let vertices = 0..self.implicit.particles.len();
             self.force.extend(vertices.map(|v| force(&input, v)));
         }
+        self.load.clear();
+        self.load.extend(input.load.into_iter().flatten());
         std::mem::swap(&mut self.before, &mut self.after);
         self.remember(state);
         self.dt = Some(dt);

@@ -299,3 +299,24 @@ fn midpoint_blows_up_on_stiff_cloth_where_the_others_gain_nothing() {
         assert!(largest <= first, "from {first} to {largest} J");
     }
 }
+
+/// A push of half a newton on 1 kg for a tenth of a second, from the start or later, with gravity on.
+#[test]
+fn a_push_gives_bdf2_its_momentum_to_rounding_whenever_it_begins() {
+    for first in [0, 1, 2, 12] {
+        let particles = Particles::new(vec![1.0]).unwrap();
+        let mut solver = solver!(Bdf2, &particles, Vec::<Spring>::new(), sharp());
+        let mut state = State::at_rest(vec![Vec3::zeros()]);
+        let push = [Vec3::x() * 0.5];
+        for step in 0..30 {
+            let mut input = StepInput::new(1.0 / 60.0).gravity(DOWN);
+            if (first..first + 6).contains(&step) {
+                input = input.load(&push);
+            }
+            solver.step(&mut state, input).unwrap();
+        }
+        let expected = DOWN * 0.5 + Vec3::x() * 0.05;
+        let error = (state.velocities[0] - expected).norm();
+        assert!(error < 1e-13, "from step {first}: {error:e} m/s");
+    }
+}

@@ -13,6 +13,9 @@ const BALANCE_TOLERANCE: Real = 1e-8;
 const BALANCED_VELOCITIES: Real = 1e-4;
 /// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
 const NEGLIGIBLE_SPEED: Real = 1e-6;
+/// So does, in a step, a way that is this fraction of the distance from the origin: what is stretched and at rest without
+/// gravity has no other velocity to compare with, and ends at rounding.
+const NEGLIGIBLE_WAY: Real = 1e-10;
 
 impl PdSolver {
     /// Whether the tolerance is met at the point.
@@ -72,7 +75,9 @@ impl PdSolver {
             return false;
         };
         let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
-        let velocity = forced.max(NEGLIGIBLE_SPEED * self.objective.speed(&self.point));
+        let velocity = forced
+            .max(NEGLIGIBLE_SPEED * self.objective.speed(&self.point))
+            .max(NEGLIGIBLE_WAY * self.objective.position_speed(&self.point));
         let enough = (fraction * self.config.velocity_tolerance * velocity).powi(2);
         let decrement = match method.decrement() {
             known if known.is_finite() => known,

@@ -188,3 +188,32 @@ fn a_free_cloth_whose_mass_is_rounded_away_is_refused() {
         }
     }
 }
+
+/// Stretched by a twentieth, without gravity: what is at rest ends each step, with nothing else to compare rounding with.
+#[test]
+fn a_taut_sheet_at_rest_without_gravity_takes_few_iterations() {
+    for k in [1e2, 1e4, 1e6] {
+        let (mut model, mut state) = sheet(11, k);
+        for vertex in 0..121 {
+            let column = vertex % 11;
+            if column == 0 || column == 10 {
+                model.particles.prescribe(vertex).unwrap();
+            }
+            if column == 10 {
+                state.positions[vertex].x += 0.05;
+            }
+        }
+        let mut solver = solver(&model, PdConfig::default());
+        for step in 0..300 {
+            let report = solver.step(&mut state, StepInput::new(1.0 / 60.0)).unwrap();
+            assert_eq!(report.unfinished, 0, "k {k}, step {step}");
+            if step >= 200 {
+                assert!(
+                    report.iterations <= 20,
+                    "k {k}, step {step}: {}",
+                    report.iterations
+                );
+            }
+        }
+    }
+}
