@@ -177,7 +177,7 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
 /// after the prediction, [`ContactConstraints::sweep`] last in each sweep, [`ContactConstraints::end_substep`] before
 /// the velocities follow from the positions and [`ContactConstraints::change_velocities`] after it;
 /// [`ContactConstraints::end_step`]. A step that ends with an error before that has not been taken, and the next
-/// `begin_step` resets everything but the state of friction.
+/// `begin_step` resets everything but the state of friction, and the order in which pairs are visited.
 pub trait ContactConstraints {
     /// Begins a step.
     ///

@@ -51,10 +51,18 @@ impl TriMesh {
         }
     }
 
-    /// All vertices with some of the triangles, so that vertices may be in none: what is left where others are torn
-    /// out, or one piece.
-    #[must_use]
-    pub fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Self {
+    /// All vertices with other triangles, so that vertices may be in none: what is left where some are torn out, or one
+    /// piece.
+    ///
+    /// # Errors
+    /// Those of [`TriMesh::new`] but for vertices in no triangle.
+    pub fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        check(&self.positions, &triangles)?;
+        Ok(self.part(triangles))
+    }
+
+    /// The same with triangles that are known to be right: some of its own.
+    pub(crate) fn part(&self, triangles: Vec<[u32; 3]>) -> Self {
         Self::unchecked(self.positions.clone(), triangles)
     }
 

@@ -184,8 +184,11 @@ impl Particles {
 /// as it does not pass through itself where contact counts.
 ///
 /// To save a run, keep these four; to resume it, build the solver anew from the same particles and elements and go on
-/// from them. What a solver keeps beside the state is where its iteration starts; two keep more: BDF2 of
-/// `cloth-massspring`, which starts again with one step of implicit Euler, and friction, which forgets what sticks.
+/// from them. What a solver keeps beside the state is where its iteration starts (implicit Euler by default, which
+/// changes the last digits of what it converges to); two keep more: BDF2 of `cloth-massspring`, which starts again with
+/// one step of implicit Euler, and friction, which forgets what sticks. Contacts that are built anew have to begin at
+/// the time of the state, with bodies where they are; the order in which they find pairs is that of a new start, and
+/// sweeps that end before they converge, as those of XPBD, leave something else after another order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Positions (m), one per vertex.

@@ -17,14 +17,14 @@ crate::settings! {
     }
     /// Of cloth.
     pub(crate) struct Material {
-        density: Real = 0.2 "kg/m²", "areal density";
+        density: Real = 0.2 "kg/m²" in Above(0.0), "areal density";
         modulus: Option<Real> = "none" "N/m",
             "membrane modulus Y in the place of the stiffness of springs, or none; springs have it in the mean over all \
              directions, and triangles on every mesh";
         membrane: MembraneName = "springs",
             "elements that resist stretching: springs, stvk or arap; triangles get the modulus that springs of the \
              given stiffness have";
-        poisson: Real = 0.3333333333333333, "Poisson's ratio of stvk, from −1 to 1; springs have 1/3";
+        poisson: Real = 0.3333333333333333 in Between(-1.0, 1.0), "Poisson's ratio of stvk; springs have 1/3";
         shear: Option<Real> = "none" "N/m",
             "stiffness of springs along both diagonals of rectangular cells, or none: one diagonal, as stiff as the \
              other edges";

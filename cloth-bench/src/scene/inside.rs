@@ -61,7 +61,7 @@ impl Scene {
             };
             return Err(BenchError::Usage(format!(
                 "the cloth starts inside obstacle {} ({}), with {} of its vertices: the deepest is vertex {named}, at \
-                 ({:.4}, {:.4}, {:.4}) m, {depth:.3e} m below the surface; move it out, \
+                 ({:.4}, {:.4}, {:.4}) m, {:.3e} m below the surface; move it out, \
                  the thickness of {} m away, or hold what is to stay inside{advice}",
                 body.number,
                 body.kind,
@@ -69,6 +69,7 @@ impl Scene {
                 x.x,
                 x.y,
                 x.z,
+                depth.abs(),
                 touch.thickness()
             )));
         }

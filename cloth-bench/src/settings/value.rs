@@ -127,7 +127,7 @@ fn list<T: Value>(value: &DeValue<'_>) -> Option<Vec<T>> {
 }
 
 impl Value for Vec<u32> {
-    const KIND: &'static str = "a list of whole numbers such as [0, 32]";
+    const KIND: &'static str = "a list of whole numbers from 0 on such as [0, 32]";
 
     fn read(value: &DeValue<'_>) -> Option<Self> {
         list(value)

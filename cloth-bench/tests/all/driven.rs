@@ -74,6 +74,11 @@ fn a_held_body_stays_until_it_is_released() {
                     "{method}, {}",
                     moment.step
                 );
+                // What holds it is no force of contact.
+                let forces = moment.forces.unwrap();
+                let on_cloth = forces.normal.iter().chain(&forces.friction);
+                let all = forces.bodies[0].force + on_cloth.sum::<Vec3>();
+                assert!(all.norm() < 1e-9, "{method}, {}: {all:?} N", moment.step);
             }
             fall = -motion.pose.position.z;
         });

@@ -2,8 +2,9 @@
 
 use crate::scene_text::scene;
 use cloth_bench::method::Method;
-use cloth_bench::run::run;
+use cloth_bench::run::{Plan, Solver, run, run_changing};
 use cloth_bench::settings::Settings;
+use cloth_bench::studies::variants::Variant;
 use cloth_core::math::Vec3;
 
 const METHODS: [&str; 4] = ["xpbd", "pbd", "symplectic-euler", "xpbd-direct"];
@@ -117,5 +118,40 @@ fn what_minimises_refuses_restitution() {
             told.contains("restitution") && told.contains(name),
             "{told}"
         );
+    }
+}
+
+/// What may not rebound does not, by methods that take impulses and by those that move with the velocity of their step:
+/// a sheet that falls flat on a floor lies there.
+#[test]
+fn nothing_rebounds_with_a_restitution_of_zero() {
+    let text = "[[mesh]]\ngenerator = \"grid:9x9:alternating\"\ntranslate = [0, 0, 0.2]\n[[obstacle]]\nshape = \"plane\"\n\
+        [contact]\nrestitution = 0\n";
+    let scene = scene("flat", text);
+    for name in [
+        "implicit-euler",
+        "linear-implicit",
+        "pd",
+        "pbd",
+        "xpbd",
+        "symplectic-euler",
+    ] {
+        let method = Method::find(name).unwrap();
+        let settings = Variant::default_of(method).settings;
+        let mut solver = Solver::new(method, &settings, &scene, 1.0 / 60.0).unwrap();
+        let mut state = scene.start.clone();
+        let (mut touched, mut highest) = (false, 0.0_f64);
+        let plan = Plan::new(1.0 / 60.0, 40);
+        run_changing(&scene, &mut solver, &mut state, plan, |moment| {
+            let x = &moment.state.positions;
+            let mean = x.iter().map(|x| x.z).sum::<f64>() / x.len() as f64;
+            touched |= mean < 6e-3;
+            if touched {
+                highest = highest.max(mean);
+            }
+            Ok(())
+        })
+        .unwrap();
+        assert!(touched && highest < 6e-3, "{name}: {highest} m");
     }
 }

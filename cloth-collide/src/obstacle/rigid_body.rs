@@ -1,7 +1,7 @@
 //! Mass, inertia and momentum of a body that forces move.
 
 use super::{ObstacleError, Pose, RigidMotion, finite, positive};
-use cloth_core::error::OutOfRange;
+use cloth_core::error::{OutOfRange, not_negative};
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use nalgebra::{Matrix3, Matrix6, Vector6};
@@ -29,9 +29,13 @@ impl RigidBody {
     ///
     /// # Errors
     /// [`ObstacleError::OutOfRange`] for a mass or a principal moment of inertia that is not above zero,
-    /// [`ObstacleError::NonFinite`] for gravity.
+    /// [`ObstacleError::NonFinite`] for a moment of inertia, or gravity.
     pub fn new(mass: Real, inertia: Matrix3<Real>, gravity: Vec3) -> Result<Self, ObstacleError> {
         positive("mass of a body (kg)", mass)?;
+        if !inertia.iter().all(|moment| moment.is_finite()) {
+            let name = "moment of inertia of a body (kg·m²)";
+            return Err(ObstacleError::NonFinite { name });
+        }
         let inertia = 0.5 * (inertia + inertia.transpose());
         let moments = inertia.symmetric_eigenvalues();
         let least = moments.iter().copied().fold(Real::INFINITY, Real::min);
@@ -53,8 +57,9 @@ impl RigidBody {
     /// A ball of this density (kg/m³) and radius (m).
     ///
     /// # Errors
-    /// As [`RigidBody::new`].
+    /// As [`RigidBody::new`]; [`ObstacleError::OutOfRange`] for a size.
     pub fn sphere(density: Real, radius: Real, gravity: Vec3) -> Result<Self, ObstacleError> {
+        positive("radius of a body (m)", radius)?;
         let mass = density * 4.0 / 3.0 * PI * radius.powi(3);
         let inertia = Matrix3::identity() * (0.4 * mass * radius * radius);
         Self::new(mass, inertia, gravity)
@@ -63,8 +68,9 @@ impl RigidBody {
     /// A box of this density (kg/m³) with half its edges (m).
     ///
     /// # Errors
-    /// As [`RigidBody::new`].
+    /// As [`RigidBody::new`]; [`ObstacleError::OutOfRange`] for a size.
     pub fn cuboid(density: Real, half: Vec3, gravity: Vec3) -> Result<Self, ObstacleError> {
+        positive("half of an edge of a body (m)", half.min())?;
         let mass = density * 8.0 * half.product();
         let squares = half.component_mul(&half);
         let moments = Vec3::from_element(squares.sum()) - squares;
@@ -78,13 +84,15 @@ impl RigidBody {
     /// A capsule of this density (kg/m³) along its z, with half the length (m) of its straight part and its radius (m).
     ///
     /// # Errors
-    /// As [`RigidBody::new`].
+    /// As [`RigidBody::new`]; [`ObstacleError::OutOfRange`] for a size.
     pub fn capsule(
         density: Real,
         half: Real,
         radius: Real,
         gravity: Vec3,
     ) -> Result<Self, ObstacleError> {
+        positive("radius of a body (m)", radius)?;
+        not_negative("half of the length of a body (m)", half)?;
         let square = radius * radius;
         let straight = density * PI * square * 2.0 * half;
         let ends = density * 4.0 / 3.0 * PI * square * radius;

@@ -216,7 +216,7 @@ impl<'a> PotentialBuilder<'a> {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`] for a thickness or stiffness that is not positive and finite, a friction that is
-    /// negative or not finite, a restitution outside 0 to 1, thicknesses, frictions or regions of vertices that are not
+    /// negative or not finite, a restitution outside 0 to 1, a time that is not finite, thicknesses, frictions or regions of vertices that are not
     /// as many as these, the surface of an obstacle with an unknown number, a free one with an unknown number or one
     /// that is free already, an animation of another number of vertices than its mesh, a sewn vertex beyond those of
     /// the cloth, or vertices beyond 2³² together. [`BuildError::SettingsConflict`] for restitution beside a free body.
@@ -244,13 +244,13 @@ impl<'a> PotentialBuilder<'a> {
         for (_, friction) in &self.obstacles {
             not_negative("friction of a body", *friction)?;
         }
+        let begins = "time at which contact begins (s)";
+        if !self.time.is_finite() {
+            return Err(invalid(begins, self.time, "finite"));
+        }
         for (obstacle, _) in self.obstacles.iter_mut().filter(|_| self.time != 0.0) {
             let moved = obstacle.advance(self.time);
-            let (name, range) = (
-                "time at which contact begins (s)",
-                "one to which bodies come",
-            );
-            moved.map_err(|_| invalid(name, self.time, range))?;
+            moved.map_err(|_| invalid(begins, self.time, "one to which bodies come"))?;
         }
         let sides = self.sides()?;
         let free = self.free_bodies()?;

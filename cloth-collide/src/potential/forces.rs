@@ -26,7 +26,7 @@ pub struct ContactForces {
 /// What the cloth does to a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyForce {
-    /// Force (N): pressure, friction, and what stops a free body.
+    /// Force (N): pressure, friction, and what stops a free body, but not what holds one until it is released.
     pub force: Vec3,
     /// The friction (N) in it.
     pub friction: Vec3,
@@ -102,7 +102,7 @@ impl Ledger {
 
     /// Impulses (N·s, N·m·s) of what stops free bodies.
     pub(super) fn add_stops(&mut self, free: &FreeBodies, per: Real) {
-        for free in &free.list {
+        for free in free.list.iter().filter(|free| !free.is_held) {
             let body = &mut self.impulses.bodies[free.number];
             body.force += free.stop[0] * per;
             body.torque += free.stop[1] * per;

@@ -116,6 +116,8 @@ impl PotentialContacts {
     /// A body that the cloth pushes stays where it is from now on, until it is released; it then starts from rest.
     /// Gives whether there is such a body at all, by the number of its obstacle.
     pub fn hold_body(&mut self, number: usize, is_held: bool) -> bool {
+        // A step that has failed is over: what it would put back must not undo this.
+        self.contacts.take_back();
         let mut bodies = self.contacts.free.list.iter_mut();
         let Some(free) = bodies.find(|free| free.number == number) else {
             return false;
@@ -135,6 +137,8 @@ impl PotentialContacts {
         number: usize,
         [velocity, angular_velocity]: [Vec3; 2],
     ) -> Result<bool, ObstacleError> {
+        // As in `hold_body`.
+        self.contacts.take_back();
         let Contacts {
             bodies,
             free,

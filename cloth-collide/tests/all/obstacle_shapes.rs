@@ -3,7 +3,7 @@
 use crate::random::Random;
 use crate::solids::spike;
 use cloth_collide::obstacle::*;
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Mat3, Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate;
 
@@ -362,4 +362,25 @@ fn an_obstacle_moves_as_a_rigid_body() {
     let mut still = obstacle;
     assert!(still.advance(f64::NAN).is_err());
     assert_eq!(still.motion(), &motion);
+}
+
+/// Nothing that is no number, or of no size, is a rigid body.
+#[test]
+fn rigid_bodies_of_no_size_or_of_no_number_are_refused() {
+    let g = Vec3::zeros();
+    let mut inertia = Mat3::identity() * 0.01;
+    inertia[(0, 1)] = Real::NAN;
+    let all = [
+        RigidBody::new(1.0, inertia, g),
+        RigidBody::new(1.0, Mat3::identity() * Real::NAN, g),
+        RigidBody::sphere(-1.0, -1.0, g),
+        RigidBody::cuboid(1.0, Vec3::new(-1.0, -1.0, 1.0), g),
+        RigidBody::capsule(-1.0, 0.5, -1.0, g),
+        RigidBody::capsule(1.0, -0.5, 1.0, g),
+    ];
+    let words = ["moment", "moment", "radius", "edge", "radius", "length"];
+    for (built, word) in all.into_iter().zip(words) {
+        let said = built.unwrap_err().to_string();
+        assert!(said.contains(word), "{word}: {said}");
+    }
 }

@@ -161,3 +161,47 @@ fn friction_of_a_body_works_on_what_leaves_it_in_the_step() {
         contacts.work()
     );
 }
+
+/// A ball that rises at 1 m/s is told to stand still, and a free one is held and let go, while a step has begun that never
+/// ends, or after one that is taken back.
+#[test]
+fn what_bodies_are_told_outlasts_a_step_that_is_taken_back() {
+    let mesh = triangle(0.9 * THICKNESS);
+    let x = mesh.positions();
+    let contacts_with = |velocity: Vec3, is_free: bool| {
+        let ball = Sphere::new(0.1).unwrap();
+        let ball = Obstacle::moving(ball, moving(Vec3::z() * -0.1, velocity)).unwrap();
+        let contacts = PotentialContacts::builder(&mesh)
+            .thickness(THICKNESS)
+            .obstacle(ball, 0.0);
+        match is_free {
+            true => contacts.free(0, RigidBody::sphere(100.0, 0.1, Vec3::zeros()).unwrap()),
+            false => contacts,
+        }
+        .build()
+        .unwrap()
+    };
+    let still = go(&mut contacts_with(Vec3::zeros(), false), x, x);
+    for ends in [false, true] {
+        let interrupted = |is_free: bool| {
+            let mut contacts = contacts_with(Vec3::z() * 0.1, is_free);
+            go(&mut contacts, x, x);
+            if ends {
+                end(&mut contacts, x);
+                contacts.take_back();
+            }
+            contacts
+        };
+        let mut driven = interrupted(false);
+        assert!(driven.set_velocities(0, [Vec3::zeros(); 2]).unwrap());
+        for _ in 0..3 {
+            assert_eq!(go(&mut driven, x, x), still, "{ends}");
+            end(&mut driven, x);
+        }
+        let mut free = interrupted(true);
+        assert!(free.hold_body(0, true) && free.hold_body(0, false));
+        let motion = free.free_motions().next().unwrap().1;
+        assert_eq!(motion.velocity, Vec3::zeros(), "{ends}");
+        assert_eq!(go(&mut free, x, x), still, "{ends}");
+    }
+}

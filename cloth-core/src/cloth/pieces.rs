@@ -39,7 +39,7 @@ impl Piece {
             corners.copied().ok_or(ClothError::NoSuchTriangle(triangle))
         };
         let triangles = self.triangles.iter().map(corners);
-        let part = mesh.with_triangles(triangles.collect::<Result<_, _>>()?);
+        let part = mesh.part(triangles.collect::<Result<_, _>>()?);
         let edges = EdgeTable::build(&part)?;
         Ok(DirectionalModulus::extremes(&part, &edges))
     }
@@ -89,7 +89,7 @@ impl ClothModel {
             if piece.discretization.coarse_membrane.is_some() && triangles.len() < areas.len() {
                 return Err(ClothError::CoarseMembraneOfPiece);
             }
-            let part = mesh.with_triangles(triangles);
+            let part = mesh.part(triangles);
             let edges = EdgeTable::build(&part)?;
             let elements = piece.discretization.elements(&piece.cloth, &part, &edges)?;
             springs.extend(elements.springs);

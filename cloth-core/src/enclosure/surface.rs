@@ -22,7 +22,7 @@ impl ClosedSurface {
         triangles: impl IntoIterator<Item = usize>,
     ) -> Result<Self, EnclosureError> {
         let triangles = triangles.into_iter().map(|t| mesh.triangles()[t]).collect();
-        let piece = mesh.with_triangles(triangles);
+        let piece = mesh.part(triangles);
         let edges = EdgeTable::build(&piece)?;
         let open = (0..edges.ends().len()).find(|&edge| edges.is_boundary(edge));
         if let Some(edge) = open {

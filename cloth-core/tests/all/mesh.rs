@@ -329,3 +329,22 @@ fn every_mesh_bends_where_two_triangles_meet() {
     let hinges = HingeTable::build(&mesh, &edges);
     assert_eq!(hinges.len(), edges.len());
 }
+
+/// Some of the triangles may leave vertices alone; none may be wrong.
+#[test]
+fn other_triangles_are_checked_as_those_of_a_new_mesh() {
+    let mesh = grid(3, 3, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let some = mesh.with_triangles(mesh.triangles()[..2].to_vec()).unwrap();
+    assert_eq!((some.vertex_count(), some.triangle_count()), (9, 2));
+    assert_eq!(mesh.with_triangles(Vec::new()), Err(MeshError::Empty));
+    let beyond = MeshError::IndexOutOfRange {
+        triangle: 1,
+        vertex: 99,
+        vertex_count: 9,
+    };
+    let first = mesh.triangles()[0];
+    assert_eq!(mesh.with_triangles(vec![first, [0, 1, 99]]), Err(beyond));
+    let [a, b, _] = first;
+    let repeated = mesh.with_triangles(vec![[a, a, b]]);
+    assert!(matches!(repeated, Err(MeshError::RepeatedVertex { .. })));
+}

@@ -31,6 +31,7 @@ pub(super) fn chosen(
             }
             Err(own.select.refuse(names::unknown("selection", name, &known)))
         }
+        (None, Some([]), None) => Err(own.vertices.refuse("names no vertex")),
         (None, Some(numbers), None) => {
             let beyond = numbers.iter().find(|&&n| n as usize >= positions.len());
             match beyond {

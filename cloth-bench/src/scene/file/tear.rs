@@ -110,6 +110,7 @@ pub(super) fn tears(
         let kept: Vec<[u32; 3]> = kept.filter(|(_, left)| **left).map(|(t, _)| *t).collect();
         refuse_lonely(&key, &kept, mesh)?;
         let rest = mesh.with_triangles(kept);
+        let rest = rest.map_err(|error| key.refuse(error))?;
         let model = material.cut(mesh, |triangle| is_left[triangle])?;
         let (gases, volumes) = gas::left(inside, &is_left);
         changes.push(Change {
