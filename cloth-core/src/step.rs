@@ -136,8 +136,8 @@ impl<'a> StepInput<'a> {
         self
     }
 
-    /// Asks for the force (N) with which the elements pull at each prescribed vertex, the mean of the step: the opposite
-    /// of that by which the method has moved the others. So the momentum of the free vertices changes by Δt times what
+    /// Asks for the force (N) with which the elements pull at each prescribed vertex, the mean of the step: the
+    /// opposite of that by which the method has moved the others. So the momentum of the free vertices changes by Δt times what
     /// gravity and load do to them less the sum of `out`, in a method that takes the forces of a step from its end or
     /// from its substeps. Zero at free vertices. Contact, air and the weight of the vertex itself come on top.
     ///

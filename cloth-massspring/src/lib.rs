@@ -293,8 +293,8 @@
 //! one step of implicit Euler.) Pins leave the unknowns; their gradient is zero, so they count in no norm.
 //!
 //! The cloth pulls at a pin with `−∂E/∂x` where the integrator takes its forces: `x[1]` of implicit Euler and BDF2, the
-//! middle of midpoint, the start of explicit substeps. [`StepInput::pin_forces`](cloth_core::StepInput::pin_forces) asks
-//! for it, with stiffness damping and without contact (by hand: [`ImplicitEuler`](ImplicitEuler#force-at-a-pin)). A
+//! middle of midpoint, the start of explicit substeps. [`StepInput::pin_forces`](cloth_core::StepInput::pin_forces)
+//! asks for it, with stiffness damping and without contact (by hand: [`ImplicitEuler`](ImplicitEuler#force-at-a-pin)). A
 //! linearised step does not tell it: what moved its cloth is another force. `pin_work` (J) in the report is the work of
 //! moving pins against these forces; BDF2 has it only in steps in which it starts again.
 //!

@@ -142,8 +142,8 @@
 //! loops over arrays, and compares itself with [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
 //!
 //! A prescribed (pinned, kinematic) vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work
-//! that this takes is [`StepReport::pin_work`]. Without `energy_gain` nothing is carried from step to step but the state:
-//! a fresh solver continues a run with the same bits, with the contacts of before (which remember in what order).
+//! that this takes is [`StepReport::pin_work`]. Without `energy_gain` nothing is carried from step to step but the
+//! state: a fresh solver continues a run with the same bits, with the contacts of before (which remember their order).
 //!
 //! To drag a vertex, prescribe it before building, and before each step set its velocity to `(target − position)/Δt`
 //! ([`Pins`](cloth_core::pin::Pins) does for paths). The solver keeps a copy: to grab or release one, build a new one

@@ -125,8 +125,8 @@ fn what_minimises_refuses_restitution() {
 /// a sheet that falls flat on a floor lies there.
 #[test]
 fn nothing_rebounds_with_a_restitution_of_zero() {
-    let text = "[[mesh]]\ngenerator = \"grid:9x9:alternating\"\ntranslate = [0, 0, 0.2]\n[[obstacle]]\nshape = \"plane\"\n\
-        [contact]\nrestitution = 0\n";
+    let text = "[[mesh]]\ngenerator = \"grid:9x9:alternating\"\ntranslate = [0, 0, 0.2]\n\
+        [[obstacle]]\nshape = \"plane\"\n[contact]\nrestitution = 0\n";
     let scene = scene("flat", text);
     for name in [
         "implicit-euler",

@@ -10,8 +10,8 @@ use cloth_bench::studies::variants::Variant;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 
-/// Runs a method; gives the end and the largest difference, in weights of the cloth, between the sum of the pin loads of
-/// a step and M g − dP/dt, with the momentum P of the free vertices.
+/// Runs a method; gives the end and the largest difference, in weights of the cloth, between the sum of the pin loads
+/// of a step and M g − dP/dt, with the momentum P of the free vertices.
 fn imbalance(method: &Method, scene: &Scene, pin_loads: bool) -> Result<(State, Real), BenchError> {
     let is_iterated = matches!(method.name, "implicit-euler" | "bdf2" | "implicit-midpoint");
     let settings = match is_iterated {

@@ -216,10 +216,11 @@ impl<'a> PotentialBuilder<'a> {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`] for a thickness or stiffness that is not positive and finite, a friction that is
-    /// negative or not finite, a restitution outside 0 to 1, a time that is not finite, thicknesses, frictions or regions of vertices that are not
-    /// as many as these, the surface of an obstacle with an unknown number, a free one with an unknown number or one
-    /// that is free already, an animation of another number of vertices than its mesh, a sewn vertex beyond those of
-    /// the cloth, or vertices beyond 2³² together. [`BuildError::SettingsConflict`] for restitution beside a free body.
+    /// negative or not finite, a restitution outside 0 to 1, a time that is not finite, thicknesses, frictions or
+    /// regions of vertices that are not as many as these, the surface of an obstacle with an unknown number, a free one
+    /// with an unknown number or one that is free already, an animation of another number of vertices than its mesh, a
+    /// sewn vertex beyond those of the cloth, or vertices beyond 2³² together. [`BuildError::SettingsConflict`] for
+    /// restitution beside a free body.
     pub fn build(mut self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
         let (pairs, onto_edges) = &self.sewn;

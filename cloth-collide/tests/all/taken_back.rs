@@ -162,8 +162,8 @@ fn friction_of_a_body_works_on_what_leaves_it_in_the_step() {
     );
 }
 
-/// A ball that rises at 1 m/s is told to stand still, and a free one is held and let go, while a step has begun that never
-/// ends, or after one that is taken back.
+/// A ball that rises at 0.1 m/s is told to stand still, and a free one is held and let go, while a step has begun that
+/// never ends, or after one that is taken back.
 #[test]
 fn what_bodies_are_told_outlasts_a_step_that_is_taken_back() {
     let mesh = triangle(0.9 * THICKNESS);

@@ -24,14 +24,15 @@
 //! times `‖v[0]‖²_M`: 0.06 times at Δt ω = 0.5, no jump, and above 0.1 from Δt ω = 0.57 on, about 11 steps a period or
 //! fewer. Where most of the motion is there, and no external acceleration stands beside it, each step of BDF2 may jump,
 //! so that every other one is of implicit Euler, and λ ([`Bdf2`]) is not the damping. The second term on the right
-//! keeps small motions of cloth at rest from counting. (Smaller jumps pass, a limitation: what they stop may bounce a
-//! little.) Where all forces are linear and nothing touches, no oscillation grows, resolved or not ([why](Bdf2)), and
+//! keeps small motions of cloth at rest from counting. (A limitation: smaller jumps pass, and the step with the jump is
+//! one of BDF2 itself. With a floor at 0, `x[0] = s` and `x[−1] = s + v Δt`, it ends at 0 with the velocity
+//! `v/2 − 3s/(2Δt)`, between −v and v/2: what falls flat may rebound with up to half of its speed.) Where all forces are linear and nothing touches, no oscillation grows, resolved or not ([why](Bdf2)), and
 //! the test is left out.
 //!
 //! A load that sets in or ends has no parabola through its jump either, and that is known before the step: after
 //! `v[0] = v[−1] + Δt a` a step without the load would begin with `v_b = v[0] + Δt a/3`, the next with a third of this
-//! more, and so on, `Δt a/2` together; where it sets in, as much is lost. So a step whose load differs from the last one
-//! by more than half of the larger of the two, in the norm `‖M⁻¹f‖_M`, is one of implicit Euler too: an impulse is then
+//! more, and so on, `Δt a/2` together; where it sets in, as much is lost. So a step whose load differs from the last
+//! one by more than half of the larger of the two, in the norm `‖M⁻¹f‖_M`, is one of implicit Euler too: an impulse is then
 //! what it is, to rounding.
 //!
 //! C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952,

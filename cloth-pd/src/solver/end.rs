@@ -13,8 +13,8 @@ const BALANCE_TOLERANCE: Real = 1e-8;
 const BALANCED_VELOCITIES: Real = 1e-4;
 /// A change of velocity below this fraction of the velocity counts as zero: in free fall forces are rounding.
 const NEGLIGIBLE_SPEED: Real = 1e-6;
-/// So does, in a step, a way that is this fraction of the distance from the origin: what is stretched and at rest without
-/// gravity has no other velocity to compare with, and ends at rounding.
+/// So does, in a step, a way that is this fraction of the distance from the origin: what is stretched and at rest
+/// without gravity has no other velocity to compare with, and ends at rounding.
 const NEGLIGIBLE_WAY: Real = 1e-10;
 
 impl PdSolver {

@@ -189,7 +189,8 @@ fn a_free_cloth_whose_mass_is_rounded_away_is_refused() {
     }
 }
 
-/// Stretched by a twentieth, without gravity: what is at rest ends each step, with nothing else to compare rounding with.
+/// Stretched by a twentieth, without gravity: what is at rest ends each step, though there is nothing else to compare
+/// rounding with.
 #[test]
 fn a_taut_sheet_at_rest_without_gravity_takes_few_iterations() {
     for k in [1e2, 1e4, 1e6] {

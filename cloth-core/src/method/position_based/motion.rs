@@ -219,8 +219,8 @@ impl Motion {
         self.tells_pin_forces = self.asks_pin_forces;
     }
 
-    /// The same for a method with families of its own, where [`needs_pin_forces`](Self::needs_pin_forces) says so: `Jᵀλ`
-    /// (kg m) of a row at a prescribed vertex, in the substep whose sweeps have ended.
+    /// The same for a method with families of its own, where [`needs_pin_forces`](Self::needs_pin_forces) says so:
+    /// `Jᵀλ` (kg m) of a row at a prescribed vertex, in the substep whose sweeps have ended.
     pub fn add_pin_impulse(&mut self, input: &mut StepInput<'_>, vertex: usize, impulse: Vec3) {
         let h = self.substep;
         self.pin_work -= impulse.dot(&self.velocities[vertex]) / h;
