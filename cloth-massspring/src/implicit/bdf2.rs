@@ -152,6 +152,9 @@ impl Bdf2 {
 
     /// Whether the load differs from that of the last step by more than half of the larger of the two.
     fn load_jumps(&self, input: &StepInput<'_>) -> bool {
+        if input.load.is_none() && self.load.is_empty() {
+            return false;
+        }
         let (mut change, mut before, mut now) = (0.0, 0.0, 0.0);
         for (vertex, &w) in self.implicit.particles.inverse_mass().iter().enumerate() {
             let old = self.load.get(vertex).copied().unwrap_or_default();
