@@ -12,6 +12,11 @@
 //! | [`SpatialHash`] | cubic cells, looked up by a hash of their place | triangles of one size | n, and the pairs in a cell |
 //! | [`MortonGrid`] | the same cells, sorted along a space-filling curve | triangles of one size; no table | n log n, and the pairs in a cell |
 //!
+//! In the worst case, with all boxes in one place, each of the three visits all pairs. Cells are 1.5 times as wide as
+//! the median box, and filled anew in each search. So a box of median size is in one to eight cells; one in more than
+//! 64 is compared with all others, and many small ones crowd in one cell. That is why cells suit triangles of one size.
+//! The tree is slow where parts that are far apart now lay together when it was made.
+//!
 //! Only triangles are searched for. [`ClothCandidates`] makes vertex–triangle and edge–edge pairs from their pairs:
 //! each vertex and each edge belongs to one of its triangles, its *representative* (Curtis, Tamstorf and Manocha 2008),
 //! inside whose box its own lies. So each pair of primitives is met in one pair of triangles only, and one search

@@ -173,6 +173,55 @@
 //! - What is not safe even then, or has a path too long to be tested, is left to the last resort (`last_resort`: pairs
 //!   pushed apart one by one, impact zones, vertices that stay).
 //!
+//! # Three views, and which method takes which
+//!
+//! - *An energy.* The method evaluates Σ A ψ(d), its gradient and its Hessian, Σ A ψ″ J Jᵀ, at each iterate, and asks
+//!   before each displacement how far it is safe. Friction is bounded by the μ λ of the start of the step. This is what
+//!   implicit Euler, BDF2, the linearly implicit method, the implicit midpoint rule (with the positions at the end of
+//!   the step) and projective dynamics take.
+//! - *Constraints.* In each substep a pair has one tangent of ψ′, as a range d₀ and a compliance. Displacements are
+//!   made first, and tested at the end of the substep. Friction is bounded by the μ λ of the sweep. XPBD and PBD visit
+//!   the constraints last in each sweep, the direct solver of XPBD and explicit methods at the end of each substep.
+//! - *A displacement that is kept free of crossings.* There is no force and no time in it: it is tested, repaired and
+//!   shortened as at the end of a substep ([`keep_free`](cloth_core::contact::ContactSource::keep_free)). This is for
+//!   what moves the cloth between steps: strain limits, and a [`StepUntangler`](crate::untangle::StepUntangler).
+//!
+//! The first two have the same state of rest, down to a distance of 0.05 h: the tangent there is that at the distance
+//! of rest, so its force is −ψ′ itself. In motion they differ in which distance and which λ a force belongs to.
+//!
+//! # Laws that contact obeys
+//!
+//! Closed forms, with the weight ρ g per area. Tests compare methods of both kinds with them
+//! (`cloth-bench/tests/contract/potential.rs`, `cloth-bench/tests/all/studies/contact`, `cloth-bench/src/laws`):
+//!
+//! - *Pressure.* −ψ′(d) = p, so d = h − p/κ for p up to κ h/2, and κ h²/(4 p) above. A sheet that rests on a floor has
+//!   p = ρ g, on any mesh and with any step, and stores ½ p²/κ per area in the first case.
+//! - *Stack.* The k-th gap from above carries k ρ g, and the floor under N sheets N ρ g.
+//! - *Incline.* On a slope of the angle α, p = ρ g cos α. For tan α < μ a sheet sticks; the energy of friction lets it
+//!   give way by ε tan α/μ once, and no farther. For tan α > μ it slides, with a = g (sin α − μ cos α): with implicit
+//!   Euler, from rest, by a Δt² n (n + 1)/2 in n steps.
+//! - *Strip over a cylinder* of radius R, without friction, its ends H below its top. At the angle φ from the top the
+//!   tension carries what hangs lower, T = ρ g (H − R + R cos φ) per width. So the pressure, T/R + ρ g cos φ, is
+//!   ρ g (H/R − 1 + 2 cos φ).
+//! - *Capstan.* Where a strip turns by δ at a vertex, with the tensions T₁ < T₂ on its two sides, the normal force is
+//!   (T₁ + T₂) sin δ/2, and friction has to hold (T₂ − T₁) cos δ/2. It slips above T₂/T₁ = (1 + μ tan δ/2)/(1 − μ tan
+//!   δ/2), and over N such vertices above the N-th power of that. For δ → 0 this is e^{μθ}, θ = N δ. With μ = 0.3, 16
+//!   vertices and half a turn it is 2.575, beside e^{μπ} = 2.566.
+//! - *Bounce.* With restitution e a sheet that falls from the height H rises to e²ⁿ H after n bounces.
+//!
+//! On a cylinder contact is right only as far as the tension is. PBD at its default makes cloth softer than its
+//! material; there the strip presses more, and does not slip.
+//!
+//! # What can be read out
+//!
+//! - *Forces*, pressure and friction apart, on every vertex and every body, with torques:
+//!   [`PotentialContacts::forces`], once [`PotentialContacts::record_forces`] is on. [`ContactForces`] says what is in
+//!   them.
+//! - *Work* of moving bodies and prescribed vertices on the cloth, and the *energy* that contact has stored:
+//!   [`work`](cloth_core::contact::ContactSource::work),
+//!   [`potential_energy`](cloth_core::contact::ContactSource::potential_energy).
+//! - *What a step took* of a method that projects: [`ConstraintReport`].
+//!
 //! # Bodies
 //!
 //! A body that knows its signed distance keeps the vertices of the cloth out by it: their pressure is exact, whatever

@@ -19,11 +19,18 @@ use cloth_core::step::BuildError;
 /// `x_b + τ v_b`, where uniform motion leads, and the velocity is the difference of two positions: a turn by the angle
 /// θ in one step shows as a strain of `θ²/2` in that step, which is damped. That is an error of large steps.
 ///
+/// Of a spring it is a dashpot of βk (N s/m): the force `−βk (n·(v₀ − v₁)) n` at x₀, and the opposite at x₁. In terms
+/// of C it is `−β k ∂C Ċ`, as `Ċ = ∂Cᵀ v`: the damping of Baraff and Witkin (1998, section 4.5) with `k_d = βk`.
+///
 /// Along a mode `x″ + (α + βω²) x′ + ω² x = 0`: for γ < ω it decays like `e^(−γt)`, and its energy like the square of
 /// that. As K is positive semi-definite, the power of the force, `−α vᵀM v − β vᵀK v`, is never above zero.
 ///
 /// From a measurement: a mode ω of damping ratio ζ (1 is critical) has `2ζω = α + βω²`, so without drag `β = 2ζ/ω` at
 /// the frequency that matters; slower modes are then damped less, faster ones more.
+///
+/// Numerical damping looks the same. For `z = Δt ω` well below 1 a step of implicit Euler multiplies an amplitude by
+/// `1/√(1 + z²)`, about `1 − ½ z²`, and a damping of β = Δt by `e^(−γ Δt)`, about that too, as `γ = ½ Δt ω²`. So a β
+/// below Δt hardly shows beside implicit Euler. Forward Euler has `√(1 + z²)`: a negative β of the same size.
 ///
 /// Zero means none: neither is then computed. How exactly each integrator takes them is said there.
 ///

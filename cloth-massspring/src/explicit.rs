@@ -62,9 +62,9 @@ pub struct ExplicitEuler(Explicit);
 /// more than it saves.
 ///
 /// With [`StabilityCheck::Watch`] a step (or substep) beyond [`crate::stable_time_step`] (shortened by damping) is
-/// refused with [`StepError::Unstable`]. The estimate is made before the first step and then made anew every 256
-/// substeps or whenever the kinetic energy has grown fourfold, because springs that are stretched are stiffer across
-/// their axis; with contacts in the input anew in every step, as contact may have stretched them. A run whose kinetic
+/// refused with [`StepError::Unstable`]. The estimate is made before the first step and repeated every 256 substeps or
+/// whenever the kinetic energy has grown fourfold, because springs that are stretched are stiffer across their axis;
+/// with contacts in the input it is repeated in every step, as contact may have stretched them. A run whose kinetic
 /// energy is a hundred times what it started with and was given since (by gravity, load, pins, moving bodies and
 /// elements whose energy fell below 0) ends with the same error, or with [`StepError::EnergyGain`] where the step is
 /// not too large: contact has then stretched the cloth.

@@ -69,12 +69,13 @@ use stage::Stage;
 /// Implicit Euler: every step is a minimum of `G`, found by a quasi-Newton method around multigrid
 /// ([`Solve::QuasiNewton`]) or by Newton's method, with a line search.
 ///
-/// Of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step. Stable for any step:
+/// Of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step, where Δt ω is small by
+/// `1 − ½ (Δt ω)²`: as much as by a stiffness damping of β = Δt ([`Damping`](crate::Damping)). Stable for any step:
 /// with W the sum of the elastic energy E and that of gravity and load, `½ ‖v[1]‖²_M + W(x[1])` is never above
 /// `½ ‖v[0]‖²_M + W(x[0])` where E is convex: `W(x[0]) − W(x[1]) ≥ ∇W(x[1])·(x[0] − x[1])`, the right side is
 /// `v[1]·M(v[1] − v[0])` by `∇W(x[1]) = −M(v[1] − v[0])/Δt` and `x[0] − x[1] = −Δt v[1]`, and that is
-/// `½ ‖v[1]‖²_M − ½ ‖v[0]‖²_M + ½ ‖v[1] − v[0]‖²_M`, whose last term is lost besides. Springs are not convex where
-/// they are compressed. There a descent from `x[0]` ([`StartGuess::Previous`]) guarantees `G(x[1]) ≤ G(x[0])`, that is
+/// `½ ‖v[1]‖²_M − ½ ‖v[0]‖²_M + ½ ‖v[1] − v[0]‖²_M`, whose last term is lost besides. Springs are not convex where they
+/// are compressed. There a descent from `x[0]` ([`StartGuess::Previous`]) guarantees `G(x[1]) ≤ G(x[0])`, that is
 /// `½ ‖v[1] − v[0]‖²_M + W(x[1]) ≤ ½ ‖v[0]‖²_M + W(x[0])`, and no more.
 ///
 /// Linear momentum of cloth that nothing holds or touches is kept to rounding, whatever the tolerance, by
@@ -90,7 +91,7 @@ use stage::Stage;
 /// - The cloth is linearised and contact is not: at the start of the step it does not touch yet what it meets in the
 ///   step, so a linearised contact would miss that.
 /// - The quadratic function of the cloth and the contact potential are minimised together, to the tolerance.
-/// - A sheet that is stopped buckles, which the quadratic function does not contain. If `G` has gone down by less than
+/// - A sheet that is stopped buckles, which the quadratic function does not contain. If `G` has decreased by less than
 ///   three quarters of what the quadratic function has, the cloth is linearised again at the minimum, up to eight times
 ///   in all.
 ///
@@ -133,6 +134,11 @@ use stage::Stage;
 /// assert!((-gradient[0].z / (-2.0 * 9.81) - 1.0).abs() < 1e-6);    // N
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// Whatever holds the pin bears its mass besides. The equation of the pin, which is not solved, is
+/// `m a = m g − ∂E/∂x + F`, with a its prescribed acceleration and F the force of the holder (without air, load and
+/// contact at the pin). So `F = ∂E/∂x + m (a − g)`. At rest the reported forces of all pins add up to the weight of the
+/// free vertices, and the F to minus the weight of all. (1 kg of the example above is in F only.)
 ///
 /// # Errors of a step
 /// [`StepError::LineSearchStalled`] where no lower point is found though the gradient is more than a hundred times what

@@ -95,21 +95,22 @@
 //! ```text
 //! ∂E/∂x₀ = k (l − L) n,    ∂²E/∂x₀² = k n nᵀ + k (l − L) (I − n nᵀ)/l
 //! ```
-//! At x₁ the gradient is the negative of that; the Hessian has the same block there, and its negative between the ends.
-//! Along the spring it is k. Across, it is tension over length: negative under compression, where the straight spring
-//! is a saddle of E: displacing it sideways lowers the energy (buckling). `M/Δt² + H` may then be indefinite (one
-//! spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up. The cures set
-//! negative eigenvalues of each element to zero or to their absolute values
-//! ([`Convexity`](cloth_core::element::Convexity); [`HessianPolicy`]). They change the matrix and never the gradient: a
-//! converged step is a stationary point of the same G by any of them. They decide the number of iterations, which of
-//! several minima is found, and the result of a linearised step, which solves once.
+//! At x₁ the gradient is the negative of that; the Hessian has the same block, B, there, and −B between the ends. So
+//! three of its six eigenvalues are 0 (both ends move alike), and three are twice those of B (they move oppositely).
+//! Those of B are k along the spring and, in both directions across, tension over length, `k (1 − L/l)`. Under
+//! compression this is negative and the straight spring a saddle of E: displacing it sideways lowers the energy
+//! (buckling). `M/Δt² + H` may then be indefinite (one spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`),
+//! and a Newton step may lead uphill. The cures set negative eigenvalues of each element to zero or to their absolute
+//! values ([`Convexity`](cloth_core::element::Convexity); [`HessianPolicy`]). They change the matrix and never the
+//! gradient: a converged step is a stationary point of the same G by any of them. They decide the number of iterations,
+//! which of several minima is found, and the result of a linearised step, which solves once.
 //!
 //! Formulas of the other elements stand in [`cloth_core::energy`], a file each. Their Hessians differ in this respect:
 //!
 //! | element | the Hessian is indefinite |
 //! |---|---|
 //! | [`StvkTriangle`](cloth_core::energy::StvkTriangle), `½ A Γ:ℂ:Γ` | under compression; see below |
-//! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge), isometric bending, `½ k_h ‖q x‖²` | never, it is constant |
+//! | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge), isometric bending, `½ k_h ‖q x‖²` | never: constant |
 //! | [`DihedralHinge`](cloth_core::energy::DihedralHinge), `½ k_θ (θ − θ₀)²` | where `θ ≠ θ₀`, by `k_θ (θ − θ₀) ∂²θ` |
 //!
 //! The mass-spring model of textbooks (Provot 1995) has three kinds of springs on a square grid: structural ones along
@@ -119,8 +120,7 @@
 //! spring. Both count in the ℂ below. Flexion springs do not resist a small bend of flat cloth: a fold θ brings the
 //! ends of one from L to `L cos(θ/2)`, so C is about −Lθ²/8 and `½ k C²` about `k L² θ⁴/128`, and no D corresponds to
 //! k. With a rest length below L, θ and −θ cost the same: bent at rest, it snaps through. Its integrator is often
-//! Störmer–Verlet or leapfrog: [`SymplecticEuler`] with v at the half step. The fourth-order Runge–Kutta method and
-//! IMEX schemes (stiff forces implicit) are not offered.
+//! Störmer–Verlet or leapfrog: [`SymplecticEuler`] with v at the half step. Runge–Kutta and IMEX schemes are not here.
 //!
 //! # Springs, triangles and hinges as a sheet
 //! **Springs.** In a small uniform strain ε (2 × 2) a spring of length L along the unit vector n is stretched by
@@ -216,12 +216,12 @@
 //!
 //! # The minimisation
 //! Newton's method needs few iterations, each (with the feature `cholesky`) a factorisation of 3V unknowns: most of its
-//! time, and more than proportional to V (`cloth-bench study newton`). The default factorises nothing: its iterations
-//! are more and much cheaper: 22, 30 and 38 at 32, 64 and 128 vertices a side on the *hanging sheet* (1 m, 0.2 kg/m²,
-//! springs of 10⁴ N/m, held at two corners, let go horizontally, Δt = 1/60 s; `cloth-bench/doc/results.md`). Its
-//! direction is `p = −B⁻¹∇G`. B comes from a positive definite Hessian, of which one V-cycle of
-//! [multigrid](cloth_core::method::multigrid), `B₀⁻¹`, is nearly the inverse, and from the last five pairs `sᵢ = Δx`,
-//! `yᵢ = Δ∇G` (L-BFGS; sᵢ with an index is no time):
+//! time, `V^1.5` at best ([`ImplicitConfig::linear`]). The default factorises nothing: its iterations are more and much
+//! cheaper: 22, 30 and 38 at 32, 64 and 128 vertices a side on the *hanging sheet* (1 m, 0.2 kg/m², springs of 10⁴ N/m,
+//! held at two corners, let go horizontally, Δt = 1/60 s; `cloth-bench/doc/results.md`). Its direction is `p = −B⁻¹∇G`.
+//! B comes from a positive definite Hessian, of which one V-cycle of [multigrid](cloth_core::method::multigrid),
+//! `B₀⁻¹`, is nearly the inverse, and from the last five pairs `sᵢ = Δx`, `yᵢ = Δ∇G` (L-BFGS; sᵢ with an index is no
+//! time):
 //! ```text
 //! r = −∇G;       newest pair first:  aᵢ = sᵢ·r/(sᵢ·yᵢ),   r ← r − aᵢ yᵢ
 //! p = B₀⁻¹ r;    oldest pair first:  p ← p + (aᵢ − yᵢ·p/(sᵢ·yᵢ)) sᵢ
@@ -236,8 +236,8 @@
 //! 3. Repeat:
 //!    1. Done if `‖∇G‖ ≤ ε ‖M(x − x̂)/s²‖`, both in the norm of M⁻¹, or if rounding allows no more. ε is `tolerance`;
 //!       with active contacts 0.3 of it; without contact at least 10⁻⁵, from where Newton's method goes on to less.
-//!    2. In iterations 1 to 4, 12, 20, 28, … take the Hessian anew.
-//!    3. `p = −B⁻¹∇G`. If `∇G·p ≥ 0`, drop the pairs, take the Hessian anew and repeat.
+//!    2. In iterations 1 to 4, 12, 20, 28, … recompute the Hessian.
+//!    3. `p = −B⁻¹∇G`. If `∇G·p ≥ 0`, drop the pairs, recompute the Hessian and repeat.
 //!    4. Done if the Newton decrement `√(−∇G·p)` is at most ε times `‖x − x̂‖_M/s`, or times `10⁻³ √(2ΔG)` if that is
 //!       more, ΔG the fall of G so far: beside much energy released, as from cloth crushed to a point, little counts.
 //!    5. The longest step: t = 1; in contact less (`Minimizer::iterate` in `implicit/minimizer.rs`).
@@ -245,7 +245,7 @@
 //!       parabola, between a tenth and a half of the one before, 50 at most. Where rounding hides the change of G (a
 //!       rise below `10⁻¹⁰ |G|`) the slope decides: `∇G(x + t p)·p ≤ 0.8 |∇G(x)·p|`. If none is accepted:
 //!       - a gradient of at most 100 times the rounding error is the end;
-//!       - else the pairs are dropped, the Hessian is taken anew, and the iteration repeated; if it fails again,
+//!       - else the pairs are dropped, the Hessian is recomputed, and the iteration repeated; if it fails again,
 //!         Newton's method takes over (in contact the step ends as it is), and where that fails, the step is refused.
 //!    7. From iteration 4 on, keep the pair `sᵢ = t p`, `yᵢ = Δ∇G` if `sᵢ·yᵢ > 0`, which Armijo does not ensure.
 //! 4. The shift of 2 again, with contacts whether G falls or not: linear momentum is kept at any tolerance.
@@ -254,7 +254,7 @@
 //! With B positive definite `∇G·p < 0`, so a short enough t passes. Pairs outlive a new Hessian from iteration 12 on.
 //! Without them a full step multiplies a small error by `I − B₀⁻¹(M/s² + H)`. k and Δt are in both, so the rate is made
 //! by what differs: the cycle is not quite the inverse, B₀ has absolute values and lumped blocks (see below), and
-//! springs have turned since the Hessian was taken.
+//! springs have turned since the Hessian was computed. (`implicit/line_search.rs`: a proof, for a clamped Hessian.)
 //!
 //! The levels: about a quarter of the vertices make the next coarser one, spread such that no two are strongly coupled,
 //! nor both to a third while they are nearly as close as neighbours ([`multigrid`](cloth_core::method::multigrid)). The
@@ -264,13 +264,14 @@
 //! Cholesky factorisation. All is in single precision. Five things make it work:
 //! - *Absolute values* take the place of negative eigenvalues, the k (1 − L/l) of compressed springs
 //!   ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)). So the matrix is positive definite, and every direction
-//!   leads down. (Zeros, [`Convexity::Clamp`](cloth_core::element::Convexity::Clamp), would do, too, but let thin cloth
-//!   move too far in an iteration.) Alone it would converge linearly: across a spring between two free masses m it has
-//!   `1 + c` for `1 − c`, `c = 2k s² (L/l − 1)/m`, and the error the factor `2c/(1 + c)`. That is slow near c = 1,
-//!   where a compressed sheet has not buckled yet; beyond, the straight spring is a saddle point, and the error has to
-//!   grow. In c, k is in the force `k (L − l)` only, which is what presses the spring, but Δt is squared. The pairs
-//!   bring the true curvature back where it is positive; those of negative curvature are not kept. Dihedral hinges give
-//!   their Gauss–Newton matrix, which needs no eigenvalues.
+//!   leads down. Alone it would converge linearly: across a spring between two free masses m it has `1 + c` for
+//!   `1 − c`, `c = 2k s² (L/l − 1)/m`, which multiplies the error by `2c/(1 + c)`. (Zeros,
+//!   [`Convexity::Clamp`](cloth_core::element::Convexity::Clamp), have 1 there, and the factor c.) That is slow near
+//!   `c = 1`, where a compressed sheet has not buckled yet; beyond, the straight spring is a saddle point, and the
+//!   error has to grow: by less than 2 an iteration with absolute values, by c with zeros, which moves thin cloth too
+//!   far. (c is `2s²/(ml)` times the force in the spring: stiffness counts only through the force, Δt by its square.)
+//!   The pairs bring the true curvature back where it is positive; those of negative curvature are not kept. Dihedral
+//!   hinges give their Gauss–Newton matrix, which needs no eigenvalues.
 //! - *Lumped*: blocks of the two vertices opposite an edge are added to the diagonal, which leaves the pattern of the
 //!   edges ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)).
 //! - *Predicted forces.* A stiff spring that should turn is moved along its tangent by an iteration, and so becomes too
@@ -294,9 +295,10 @@
 //!
 //! The cloth pulls at a pin with `−∂E/∂x` where the integrator takes its forces: `x[1]` of implicit Euler and BDF2, the
 //! middle of midpoint, the start of explicit substeps. [`StepInput::pin_forces`](cloth_core::StepInput::pin_forces)
-//! asks for it, with stiffness damping and without contact (by hand: [`ImplicitEuler`](ImplicitEuler#force-at-a-pin)). A
-//! linearised step does not tell it: what moved its cloth is another force. `pin_work` (J) in the report is the work of
-//! moving pins against these forces; BDF2 has it only in steps in which it starts again.
+//! asks for it, with stiffness damping and without contact; [`ImplicitEuler`](ImplicitEuler#force-at-a-pin) has it by
+//! hand, and what the holding hand bears besides. A linearised step reports none: the force that moved its cloth is
+//! another one. `pin_work` (J) in the report is the work of moving pins against these forces; BDF2 has it only in steps
+//! in which it starts again.
 //!
 //! # Contact
 //! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
@@ -322,10 +324,11 @@
 //! of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and in n steps it slides by `a Δt² n(n + 1)/2` down a slope on which
 //! its acceleration is a (tests `sheet_rests_where_its_weight_says` and `sheet_on_a_slope_slides_or_sticks` of
 //! `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this:
-//! - λ is computed once a step. What is near is found anew along each direction: the list holds all vertices, edges and
-//!   triangles within h anywhere on the path; the rest adds nothing, so a new list changes no value of G.
-//! - The second derivative: whenever the Hessian is taken. A contact between several vertices is an addition of rank
-//!   one to the matrix of the multigrid cycle, and comes and goes without a new pattern; what couples all vertices of a
+//! - λ is computed once a step. Near pairs are searched for along each direction: the list holds all vertices, edges
+//!   and triangles within h anywhere on the path; the rest adds nothing, so a new list changes no value of G.
+//! - The Hessian of contact is recomputed with that of the elements, as `a ψ″ ∂d ∂dᵀ`. The rest, `a ψ′ ∂²d`, may have
+//!   negative eigenvalues as ψ′ < 0, and is left out. So a contact between several vertices is a term of rank one in
+//!   the matrix of the multigrid cycle, which comes and goes without a new pattern; what couples all vertices of a
 //!   component ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one around the whole cycle.
 //! - Where contact cuts steps short, directions come from conjugate gradients around the cycle
 //!   ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)), and where hardly any of a direction is
@@ -362,16 +365,13 @@
 //! | [`SymplecticEuler`] | 1 | 1 for `z < 2`, else `(z²/2 − 1) + √((z²/2 − 1)² − 1)` | `2 asin(z/2)` | `z < 2` |
 //! | [`ImplicitEuler`], also linearised | 1 | `1/√(1 + z²)` | `atan z` | always |
 //! | [`ImplicitMidpoint`] | 2 | 1 | `2 atan(z/2)` | always |
-//! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always ([why](Bdf2)) |
+//! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | its argument | always ([why](Bdf2)) |
 //!
 //! For small z the angles are z and `−z³/3` (forward, implicit Euler, BDF2), `z³/24` (symplectic), `−z³/12` (midpoint).
 //! In a period, `2π/z` steps, implicit Euler loses about `1 − exp(−2πz)` of the energy (47 % at z = 0.1), BDF2 about
 //! `πz³` (0.3 %), the midpoint rule nothing. The row of BDF2 holds for linear forces, and else while most of the motion
 //! has z below 0.57; beyond, unless gravity or load is large beside it, up to every other step is one of implicit Euler
-//! ([`Bdf2`]). The mesh has an error of its own: a chain of spacing l has waves of number ξ at `ω = (2/l) c sin(ξl/2)`,
-//! `c = l √(k/m)`: too slow by the fraction `(ξl)²/24`, of second order in l. A test holds the formula at the shortest
-//! wave of a chain of n masses, `ξl = π (2n − 1)/(2n + 1)`, to 0.05 % (`a_chain_has_the_closed_form_of_its_length` in
-//! `tests/chapter/stability.rs`).
+//! ([`Bdf2`]). The mesh has an error of its own, of second order in its edges: waves are too slow (`stability.rs`).
 //!
 //! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the
 //! mass, of a chain of 1 m) goes with Δt as follows
@@ -429,7 +429,7 @@
 //! One struct and the traits of [`cloth_core::element`]: `Element<N>` names the vertices, and either `Constraint<N>`
 //! gives rows C (functions of the positions, 0 at rest) with `E = ½ Σ k C²`, from which energy, gradient and
 //! `Σ k ∂C ∂Cᵀ` follow, or `Energy<N>` gives them directly. Where C is not linear write `curvature`, `Σ k C ∂²C`, too,
-//! or every Hessian is Gauss–Newton's, and [`Accept::Minimum`] tells nothing;
+//! or every Hessian is Gauss–Newton's, and [`Accept::Minimum`] proves nothing;
 //! [`hessian_error`](cloth_core::check::hessian_error) tests it. For `Clamp` and `Abs` your function has to return a
 //! positive semi-definite matrix: nobody else takes eigenvalues. Only elements of one vertex count as holding the
 //! cloth: the energy of every other must not change when all its vertices are shifted alike, or the shift of momentum
@@ -455,9 +455,10 @@
 //! - The default, with the feature `cholesky`, converges from cloth that is random, flattened, collapsed into a point
 //!   or turned inside out, with stiffnesses and masses that differ by 10⁸ and 10⁶, at steps from 1 ms to 1 s: ten runs
 //!   of ten in each of 108 cases. But it can take hundreds of iterations where stiff springs unfold.
-//! - Implicit Euler is *heavily damped*: an oscillation of period 10 Δt loses 15 % of its amplitude in every step.
-//!   Cloth that swings and wrinkles less with it than it should, and does not topple or slide off, is the price of the
-//!   large step, not a property of the cloth. It keeps linear momentum, not angular momentum.
+//! - Implicit Euler is *heavily damped*: an oscillation of period 10 Δt loses 15 % of its amplitude in every step, slow
+//!   ones as much as by a stiffness damping of β = Δt ([`Damping`]). Cloth that swings and wrinkles less with it than
+//!   it should, and does not topple or slide off, is the price of the large step, not a property of the cloth. It keeps
+//!   linear momentum, not angular momentum.
 //! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. The
 //!   hanging sheet of 64 × 64 vertices needs at least 369 substeps for a frame of 1/60 s that implicit Euler takes in
 //!   one; the corner vertices set that limit (`stability.rs`). With 12 033 springs and 11 781 hinges, at about 5 ns
@@ -501,19 +502,18 @@
 //! method, `WithStrainLimit` of `cloth-pbd`. Provot (1995) shortens springs beyond 10 % to that, one after another:
 //! both ends alike, or one if the other is held. `StrainLimiter` there makes passes over the elements, colour by
 //! colour, and moves what is beyond its range to the end of it, each vertex by its share of the inverse mass, until
-//! none is by more than 10⁻⁴, or for 100 passes. Then `v ← v + Δx/Δt`, and a component with at most one prescribed
-//! vertex gets the angular velocity that keeps its angular momentum. Each correction strains the neighbours
-//! (Gauss–Seidel): the result depends on the order, and nothing guarantees an end. Between two pins too far apart
-//! nothing is in range, and the outcome is `BudgetSpent`.
+//! none is by more than 10⁻⁴, or for 100 passes. Then `v ← v + Δx/Δt`, with the angular momentum restored. Each
+//! correction strains the neighbours (Gauss–Seidel): the result depends on the order, and nothing guarantees an end.
+//! Between two pins too far apart nothing is in range, and the outcome is `BudgetSpent`.
 //!
 //! # Costs
 //! With springs and quadratic hinges the default takes about 1.3 kB a vertex without contact, explicit methods 0.8, and
-//! Newton's method the Cholesky factor besides, which grows more than in proportion to V. An iteration of the default
-//! reads the elements once (once more for each shortened step), the finest level twice (the residual is taken in the
-//! forward sweep) and the pairs once; 7 of 30 take the Hessian anew. One of Newton's method has an assembly, a
-//! factorisation or more, and a solve. An explicit substep reads the elements once; the estimate of its limit is some
-//! products with the Hessian, every 256 substeps, with contacts in every step. To measure: `cloth-bench study newton`
-//! (parts), `convergence` (steps), `scale` (memory); `cargo bench -p benches --bench elements`.
+//! Newton's method the Cholesky factor besides, V log V numbers at best. An iteration of the default reads the elements
+//! once (once more for each shortened step), the finest level twice (the residual is taken in the forward sweep) and
+//! the pairs once; 7 of 30 recompute the Hessian. One of Newton's method has an assembly, a factorisation or more, and
+//! a solve. An explicit substep reads the elements once; the estimate of its limit is some products with the Hessian,
+//! every 256 substeps, with contacts in every step. To measure: `cloth-bench study newton` (parts), `convergence`
+//! (steps), `scale` (memory); `cargo bench -p benches --bench elements`.
 //!
 //! # When not to use this method
 //! It is at its best where the solution has to be right: references, statics, measured materials. Elsewhere:
@@ -534,7 +534,7 @@
 //!    `damping.rs`: forces against the motion; `stability.rs`: the largest stable step.
 //! 3. `implicit.rs`: a step as a minimisation (`implicit/builder.rs`); `config.rs`: its settings; `implicit/stage.rs`:
 //!    `G` and ∇G.
-//! 4. `implicit/newton.rs` with `system.rs` (the matrix, kept positive definite) and `line_search.rs`.
+//! 4. `implicit/newton.rs` with `system.rs` (the matrix, kept positive definite) and `line_search.rs` (convergence).
 //! 5. `implicit/minimizer.rs` and `quasi_newton.rs`, around
 //!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `minimizer/extrapolation.rs`:
 //!    longer steps in contact; `progress.rs`: when Newton's method takes over.

@@ -6,8 +6,14 @@ use cloth_core::method::position_based::{Acceleration, Sweep};
 /// Settings of [`PbdSolver`](crate::PbdSolver).
 ///
 /// # How fast sweeps converge
-/// The rates of chains of equal masses are [in the chapter](crate#order-of-the-constraints-colours-and-threads). Two
+/// The rates of chains of equal masses are [in the chapter](crate#order-of-the-constraints-colours-and-threads). Three
 /// more, for linear rows, one an element:
+///
+/// *Which relaxation is stable in a Gauss–Seidel sweep?* Let `e = x − x*`, where `x*` meets all rows, so that
+/// `C = Σ ∂C/∂xᵢ·eᵢ`. A visit that makes ωs times the correction takes `ωs wᵢ ∂C/∂xᵢ C/w̃` from eᵢ, and
+/// `‖e‖²_M = Σ mᵢ ‖eᵢ‖²` becomes `‖e‖²_M − ωs (2 − ωs) C²/w̃`. For 0 < ωs < 2 it falls with each visit of a row that is
+/// violated, in any order, however many rows share a vertex; so every ω < 2 is stable, whatever s. How fast it falls
+/// depends on ω: the best one of a chain is in the chapter.
 ///
 /// *Which relaxation is stable in a Jacobi sweep?* With fractions sⱼ it takes an error e to `e − ω Σ sⱼ Pⱼ e`, ω the
 /// relaxation and Pⱼ the projector, orthogonal in the metric of M, onto what row j moves. Since

@@ -44,11 +44,12 @@
 //! Δλ = −C/w̃,   Δxᵢ = wᵢ ∂C/∂xᵢ Δλ,   w̃ = Σ wᵢ ‖∂C/∂xᵢ‖²,   wᵢ = 1/mᵢ
 //! ```
 //!
-//! with w̃ the generalised inverse mass of the constraint. The inverse masses are not a choice: with them
-//! `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ`, which is zero for every constraint that is invariant under translation. So a projection of
-//! free vertices onto such a constraint keeps the linear momentum; one that holds to a place (a soft pin, a plane) or
-//! has a prescribed vertex does not. In the same way `Σ xᵢ × mᵢ Δxᵢ = Δλ Σ xᵢ × ∂C/∂xᵢ` is zero where C is invariant
-//! under rotation. A vertex with w = 0 does not move.
+//! with w̃ the generalised inverse mass of the constraint. What is left of C is of second order in Δx, and zero where C
+//! is linear along the correction. The inverse masses are not a choice: with them `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ`. Where
+//! translations `xᵢ + ε a` leave C as it is, its derivative by ε, `a·Σ ∂C/∂xᵢ`, is zero for every a, and so is the sum:
+//! a projection of free vertices keeps the linear momentum. One that holds to a place (a soft pin, a plane) or has a
+//! prescribed vertex does not. Under rotations `xᵢ + ε a × xᵢ` the derivative is `a·Σ xᵢ × ∂C/∂xᵢ`; so where they leave
+//! C as it is, the moment `Σ xᵢ × mᵢ Δxᵢ = Δλ Σ xᵢ × ∂C/∂xᵢ` is zero. A vertex with w = 0 does not move.
 //!
 //! **All constraints.** Each scalar C with its gradient is a *row*; an element has one or more. Backward Euler's step
 //! is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the predicted positions and `‖y‖²_M = yᵀ M y`, since its stationary
@@ -174,11 +175,13 @@
 //! # Order of the constraints, colours and threads
 //! A family is what one call of [`energy`](PbdBuilder::energy) adds: elements of one type. A sweep visits the families
 //! in the order in which they were added, and the elements of a family in the order of [`Sweep`]. The result depends on
-//! both; the constraint visited last is met best. With Chebyshev a Gauss–Seidel sweep is *symmetric*, forward and then
-//! back: the family added *first* is visited last, and positions are extrapolated after it. [`Sweep::Colored`], the
-//! default, colours the elements greedily, so that no two of a colour share a vertex: they can be visited in parallel,
-//! without locks, and give the same bits on any number of threads (feature `parallel`; a second thread takes part in
-//! colours of at least 4096 elements).
+//! both; the constraint visited last is met best. A rigid chain at rest, swept once in a substep from its support, sags
+//! by `g h² N(N − 1)/2` ([limits](#limits)). Swept from its free end, it ends with link 1 unstretched and each other
+//! link i too long by `g h² (N + 2 − i)`: in all `g h² (N − 1)(N + 2)/2`, 10 % more for N = 20. With Chebyshev a
+//! Gauss–Seidel sweep is *symmetric*, forward and then back: the family added *first* is visited last, and positions
+//! are extrapolated after it. [`Sweep::Colored`], the default, colours the elements greedily, so that no two of a
+//! colour share a vertex: they can be visited in parallel, without locks, and give the same bits on any number of
+//! threads (feature `parallel`; a second thread takes part in colours of at least 4096 elements).
 //!
 //! *How many colours?* Where at most d elements of N vertices meet at a vertex, at least d, and at most N (d − 1) + 1:
 //! an element finds no more than d − 1 others at each of its vertices. A sheet of squares with diagonals of alternating
@@ -320,8 +323,8 @@
 //!
 //! The force of a row is linear in C, so ψ′ is replaced by its tangent at the d of the start of the substep:
 //! `α = 1/(A ψ″)`, and `d₀ = d − ψ′/ψ″`, where the tangent is zero. Above r/2 `d₀ = r` and `α = 1/(A κ)`; below
-//! `d₀ = 2d`, and the row is stiffer, `ψ″ = κ t²/d²`. A visit is XPBD's, `Δλ = max(−λ, −(C + α̃λ)/(w̃ + α̃))` with
-//! `α̃ = α/h²`.
+//! `d₀ = 2d`, and the row is stiffer, `ψ″ = κ t²/d²`; below 0.05 r the force stays that at 0.05 r. A visit is XPBD's,
+//! `Δλ = max(−λ, −(C + α̃λ)/(w̃ + α̃))` with `α̃ = α/h²`.
 //!
 //! *After the sweeps* `end_substep` tests all paths. While pairs come nearer than a tenth of their distance, they are
 //! made hard (α = 0) for 5 more sweeps, up to 3 times; then their vertices go half as far, up to 3 times, or stay where
@@ -503,7 +506,11 @@
 //!
 //! - **Cloth with a material**, whose k, membrane modulus Y or bending rigidity D should mean something: take XPBD,
 //!   which costs the same a sweep, or projective dynamics.
-//! - **Forces, tensions, energies** that are to be read out: take XPBD or implicit Euler.
+//! - **Forces, tensions, energies** that are to be read out, or on which contact depends: take XPBD or implicit Euler.
+//!   A sheet on a floor, or a stack of them, presses with its weight here too. But a strip that hangs over a cylinder
+//!   presses on it by 0.235 more than its tension at rest says, as a mean over six lengths; and one that is half around
+//!   it (μ = 0.3) still sticks where the ratio of the pulls at its ends is 1.5 times that at which it should slip
+//!   (`cloth-bench/tests/all/studies/contact/cylinder.rs`).
 //! - **Fine meshes** without a hierarchy or extrapolation: sweeps grow with the square of the vertices a side.
 //! - **A wanted error**: take implicit Euler.
 //!

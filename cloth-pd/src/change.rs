@@ -24,12 +24,16 @@ pub struct AttachmentId(u32);
 /// |---|---|
 /// | state, gravity, load, a rest length in time, the target of an attachment | solves with the factor |
 /// | the path of a prescribed vertex | the same: its velocity is data of the step |
-/// | contacts, friction | no contact is in A. Directions with active contacts do without the factor (`newton.rs`); without pairs, and where such a direction fails, conjugate gradients take it as preconditioner |
-/// | [`prescribe`](PdSolver::prescribe), [`attach`](PdSolver::attach), [`detach`](PdSolver::detach) | corrects by rank 1 |
+/// | contacts, friction | keeps the factor: no contact is in A (below) |
+/// | [`prescribe`](PdSolver::prescribe), [`attach`](PdSolver::attach) | corrects by rank 1 |
+/// | [`detach`](PdSolver::detach) | the same |
 /// | [`release`](PdSolver::release) | corrects by rank 2 |
 /// | [`remove`](PdSolver::remove) | corrects by a rank for each row of S |
 /// | so many of these that a correction is dearer; another Δt | factorises, in the same pattern |
 /// | another mass, weight or stiffness; a new element or vertex | cannot: build another solver |
+///
+/// With active contacts directions do without the factor (`newton.rs`). Without pairs, and where such a direction
+/// fails, it preconditions conjugate gradients (`contact.rs`).
 impl PdSolver {
     /// Grabs a vertex: from now on it moves with its own velocity whatever the forces.
     ///

@@ -1,6 +1,9 @@
 //! The coarse grid: an additive two-level preconditioner of Schwarz type (a one-level method and a coarse space:
 //! Nicolaides 1987, Dryja and Widlund 1987). The fine part is the method's own constant matrix, the coarse part the
-//! Galerkin operator `PᵀHP` of the projected Hessian on a few hundred unknowns.
+//! Galerkin operator `PᵀHP` of the projected Hessian on a few hundred unknowns. (Galerkin multigrid for projective
+//! dynamics and Newton's method, as the solver and not beside a factor: Z. Xian, X. Tong, T. Liu, "A scalable Galerkin
+//! multigrid method for real-time simulation of deformable objects", ACM Trans. Graph. 38(6), 162, 2019,
+//! <https://doi.org/10.1145/3355089.3356486>.)
 //!
 //! The constant matrix is as stiff across a spring as along it, so of the motions that turn springs without stretching
 //! them, a global solve removes only a small fraction. The large ones among these are smooth motions of the whole

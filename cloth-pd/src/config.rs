@@ -57,6 +57,13 @@ pub struct PdConfig {
     /// `None`: nothing is computed for it. For reference solutions, not for speed: τ = 10⁻⁶ takes 776 iterations at 60
     /// vertices a side and 10⁴ N/m, with a coarse grid of 10 cells (`tests/chapter/minimum.rs`). Raise
     /// `most_iterations` with it: the step ends there if τ is not met.
+    ///
+    /// *What it guarantees.* Let g be ∇G(x), and the Hessian of `G` at least M/Δt² between x and the minimum `x*` (no
+    /// compressed elements). Then `‖x − x*‖²_M/Δt² ≤ gᵀ(x − x*) ≤ ‖g‖ ‖x − x*‖_M` with the norm of M⁻¹ for g
+    /// (Cauchy–Schwarz). So the velocities are off by `‖x − x*‖_M/Δt ≤ Δt ‖g‖`, and `G(x) − G(x*) ≤ ½ Δt² ‖g‖²`.
+    /// Without contact ‖g‖ is at most τ ‖∇E(x̃)‖, as inertia is in balance at x̃. What stiff springs pull with there is
+    /// much more than what is left of it at `x*`, so the relative error of the change of velocity may be much larger
+    /// than τ. Where elements are compressed the bound does not hold, and x may be near a saddle point.
     pub tolerance: Option<Real>,
     /// Where the iteration starts.
     pub start: StartGuess,

@@ -16,6 +16,13 @@
 //! through in between (no tunnelling). A contact constraint has up to four vertices with weights: a vertex and a
 //! triangle, or two edges.
 //!
+//! *The bound of a vertex* is continuous collision detection (in `cloth-collide`): of the distance that a vertex and a
+//! triangle, or two edges, have at the start of a path, or of h where that is less, a fifth has to be left. `limit`
+//! cuts all paths to the shortest fraction that is safe, `limit_each` only those of the vertices of such a pair, and
+//! looks again until no pair comes too near. Wu et al. (2020) and Chen et al. (2025) need no time of impact: if a
+//! vertex moves by less than half of its distance to all that it may meet, nothing meets (triangle inequality). That
+//! stops motion along a surface, and away from it, as well.
+//!
 //! *Thickness* belongs to the potential (`cloth-collide`): it acts where two surfaces are nearer than that, so cloth at
 //! rest on something keeps a gap a little smaller, and no gap becomes zero.
 //!

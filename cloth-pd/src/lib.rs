@@ -81,13 +81,13 @@
 //! | element | z = S x | its nearest p | w |
 //! |---|---|---|---|
 //! | spring ([`Spring`]) | x₀ − x₁ | L z/‖z‖ | k |
-//! | limit of a spring ([`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring)) | x₀ − x₁ | clamp(‖z‖) z/‖z‖ | k |
+//! | its limit ([`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring)) | x₀ − x₁ | clamp(‖z‖) z/‖z‖ | k |
 //! | triangle, as rigid as possible ([`ArapTriangle`](cloth_core::energy::ArapTriangle)) | F = Σ xᵢ bᵢᵀ, 3 × 2 | U Vᵀ of F = U Σ Vᵀ | area · Y |
 //! | tetrahedron, as rigid as possible ([`ArapTetrahedron`](cloth_core::energy::ArapTetrahedron)) | F, 3 × 3 | U Vᵀ, a rotation: σ₃ < 0 where det F < 0 | volume · 2μ |
-//! | limit of a triangle ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
+//! | triangle limit ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
 //! | isometric bending, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | D/(A₀ + A₁) |
 //! | hinge, curved at rest ([`CurvedHinge`](cloth_core::energy::CurvedHinge)) | Σ qᵢ xᵢ | r z/‖z‖ | D/(A₀ + A₁) |
-//! | stitch ([`Stitch`](cloth_core::energy::Stitch)), a spring whose rest length falls to 0 | Σ qᵢ xᵢ | L(t) z/‖z‖ | k |
+//! | stitch ([`Stitch`](cloth_core::energy::Stitch)), its rest length falls to 0 | Σ qᵢ xᵢ | L(t) z/‖z‖ | k |
 //! | attachment ([`Attachment`](cloth_core::energy::Attachment)), soft pin ([`SoftPin`](cloth_core::energy::SoftPin)) | x | its target | k |
 //!
 //! p is unique and continuous in z where z ≠ 0 (spring and its limit, stitch, curved hinge), where F has rank 2
@@ -114,9 +114,9 @@
 //!
 //! `∇E = Σ w Sᵀ(S x − p)`,  `∇²E = Σ w Sᵀ(I − ∂p/∂z) S`.
 //!
-//! A has I in the place of I − ∂p/∂z. Less `A x` on both sides the global step is `A (x⁺ − x) = −∇G(x)`: Newton's
-//! method with A for the Hessian and steps of length 1 (Liu et al. 2017). A is never below the Hessian, as ∂p/∂z has no
-//! negative eigenvalue (proof in `local.rs`).
+//! A has I in the place of I − ∂p/∂z. With A x subtracted on both sides the global step is `A (x⁺ − x) = −∇G(x)`:
+//! Newton's method with A for the Hessian and steps of length 1 (Liu et al. 2017). A is never below the Hessian, as
+//! ∂p/∂z has no negative eigenvalue (proof in `local.rs`).
 //!
 //! # What the constant matrix loses, and how it is won back
 //! *The hanging sheet* of this page: 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, held at two corners and let go
@@ -144,7 +144,8 @@
 //! force f per area has `m_A d/Δt² − 2 k ∇²d = f` there, so a pull is felt over a length of √(2k/m_A) Δt, 5.3 m for the
 //! hanging sheet. At x̃ the pins stretch their springs, and so the first global steps lift the whole sheet. For what
 //! only turns springs a mass m is then m + κ Δt²: j iterations take back 1 − 0.9991ʲ of such an error of wavelength
-//! 1 m, ten of them 1 %. Three accelerations use the same matrix:
+//! 1 m, ten of them 1 %. So the stiffer the cloth, the more it looks locked. (Locking of the mesh is another matter, as
+//! the minimum has it too: [`cloth_core::dof`].) Three accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from a number
 //!   ρ, in theory the plain iteration's spectral radius (`chebyshev.rs`). The 0.9995 of the [table](#iterations) is
@@ -196,12 +197,12 @@
 //! |---|---|
 //! | S, w, p | [`Projective`](cloth_core::element::Projective) of each element |
 //! | the local step of one family (all elements of one `.energy()` call) | [`LocalStep`], `local.rs` |
-//! | the same on threads, in batches, over structure-of-arrays buffers | `vertex_blocks.rs`, `batch.rs`, `deinterleaved.rs` |
+//! | on threads, in batches, over structure-of-arrays buffers | `vertex_blocks.rs`, `batch.rs`, `deinterleaved.rs` |
 //! | the same where p is constant: a matrix | `quadratic.rs` |
 //! | `G`, `∇G` | `objective.rs` |
 //! | A = M/Δt² + Σ w SᵀS, and what quasi-Newton leaves out of it | `matrix.rs` |
 //! | its factor, and what changes it | `global.rs`, [`WoodburyUpdate`] |
-//! | the global step, A d = g (in `quasi_newton.rs` and `newton.rs` d is the direction, −A⁻¹g) | [`PanelFactor::solve`] |
+//! | the global step, A d = g (in `quasi_newton.rs`, `newton.rs` d is the direction, −A⁻¹g) | [`PanelFactor::solve`] |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | L-BFGS (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs`, [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory) |
 //! | `H + Σ k J Jᵀ` with active contacts, H of all elements; `A + Σ k J Jᵀ` | `newton.rs`; `contact.rs` |
@@ -299,9 +300,9 @@
 //!   ([`ContactRow`](cloth_core::contact::ContactRow)), among them the volume of a closed surface
 //!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)). The constant matrix waits until nothing touches.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
-//!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
-//!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)), on the way to the start around them too
-//!   (`solver/start.rs`); where that does not descend, one length for all is taken.
+//!   the whole sheet. Displacements are truncated vertex by vertex (as by Wu et al. 2020 and Chen et al. 2025, but by
+//!   continuous collision detection: `contact.rs`; [`limit_each`](cloth_core::contact::ContactPotential::limit_each)),
+//!   on the way to the start around them too (`solver/start.rs`). Where that does not descend all have one length.
 //! - **A trust radius bounds each direction**, since it does not account for contacts that are not active yet
 //!   (`quasi_newton.rs`). Without it a handkerchief on the corner of a table gained energy that nothing gave it.
 //! - **A step goes on until it is near enough**, as it does without contact: until forces balance (`‖∇G‖` at 10⁻⁵ of
@@ -385,12 +386,12 @@
 //! ```
 //!
 //! # Limits
-//! - There is no Rayleigh or strain-rate damping, only that of implicit Euler. Its step of ẍ = −ω² x has x₀ = x₁ − Δt
-//!   v₁ and v₀ = v₁ + Δt ω² x₁, so `ω² x₀² + v₀² = (1 + (ω Δt)²) (ω² x₁² + v₁²)`: the energy is divided by
-//!   `1 + (ω Δt)²` in a step. Of a period, 2π/(ω Δt) steps, that leaves about exp(−2π ω Δt); at ω Δt = 0.1 46 % is
-//!   lost. A swing of 1 s loses half in 1.06 s at Δt = 1/60 s, in 4.2 s at 1/240. *For less* take shorter steps. BDF2
-//!   and the midpoint rule are minimisations with the same matrix but for the time in it (`cloth-massspring` has both);
-//!   they are not offered. What iterations cut short lose ([below](#when-not-to-use-this-method)) would come on top.
+//! - There is no Rayleigh or strain-rate damping, only that of implicit Euler: in a step the energy of an oscillation
+//!   ẍ = −ω² x is divided by `1 + (ω Δt)²` (`objective.rs` derives it, and has what the others would do to A). Of a
+//!   period, 2π/(ω Δt) steps, that leaves about exp(−2π ω Δt); at ω Δt = 0.1 46 % is lost. A swing of 1 s loses half in
+//!   1.06 s at Δt = 1/60 s, in 4.2 s at 1/240. *For less* take shorter steps. BDF2 and the midpoint rule are
+//!   minimisations with the same matrix but for the time in it (`cloth-massspring` has both); they are not offered.
+//!   What iterations cut short lose ([below](#when-not-to-use-this-method)) would come on top.
 //!   *For more* scale the velocities between steps, or hand over the air, `StepInput::air`. Quasi-Newton iterations
 //!   have `½ Δt (v − v[0])ᵀ D (v − v[0])` in G, D its drag ([`cloth_core::air`]). Plain and Chebyshev iterations
 //!   without contact have its force at the start of the step, which a bound keeps from reversing the flow past a free
@@ -429,13 +430,13 @@
 //! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing
 //!   holds starts with the right momentum, and every direction keeps it. The start at `x[0]` gains it with the first
 //!   full step. Angular momentum is not: implicit Euler does not conserve it (`components.rs` has both).
-//! - Only energies of the form above: springs, stitches, hinges that are flat at rest (of vertices or, as
-//!   [`MidpointHinge`](cloth_core::energy::MidpointHinge), of the midpoints of edges) or curved, as-rigid-as-possible
-//!   triangles and tetrahedra, strain limits, attachments. (A strain limit of a spring with the range [0, L] resists
-//!   tension only.) Not offered: energies whose stiffness varies, and others such as StVK, orthotropic or hyperelastic
-//!   ones. For these A only preconditions: it has to be symmetric and positive definite, then −A⁻¹∇G leads down, and a
-//!   line search makes `G` fall (Liu et al. 2017, whose w is fitted to the stress and is in A only). Without one
-//!   `A ≥ ∇²G` would have to hold.
+//! - Only energies of the form above (`local.rs` has how to tell): springs, stitches, hinges that are flat at rest (of
+//!   vertices or, as [`MidpointHinge`](cloth_core::energy::MidpointHinge), of the midpoints of edges) or curved,
+//!   as-rigid-as-possible triangles and tetrahedra, strain limits, attachments. (A strain limit of a spring with the
+//!   range [0, L] resists tension only.) Not offered: energies whose stiffness varies, and others such as StVK,
+//!   orthotropic or hyperelastic ones. For these A only preconditions: it has to be symmetric and positive definite,
+//!   then −A⁻¹∇G leads down, and a line search makes `G` fall (Liu et al. 2017, whose w is fitted to the stress and is
+//!   in A only). Without one `A ≥ ∇²G` would have to hold.
 //! - Isotropic materials only. (Springs made by hand may each have a k.)
 //! - Elements may differ in stiffness by eight powers of ten (a test).
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
@@ -465,13 +466,14 @@
 //! # What differs from the papers
 //! | paper | there | here |
 //! |---|---|---|
-//! | Bouaziz 2014 | bending at a vertex: the Laplacian by cotangents keeps its length at rest | at an edge: the hinges above |
+//! | Bouaziz 2014 | bending at a vertex: the cotangent Laplacian keeps its length at rest | at an edge: hinges |
 //! | | contact: projections to half-spaces, with weights in the matrix | a potential, outside of A |
 //! | | pins: attachments of high weight | no rows in A; attachments as well |
 //! | | from x̃, a given number of iterations | from `x[0] + Δt v[0]`, until the decrement is small |
-//! | Wang 2015 | a sweep of Jacobi's method for a solve; extrapolates after 10 iterations | the solve; after 3; a safeguard |
+//! | Liu 2013, 2017 | `G` times h² = Δt²: `(M + h² L) x = M x̃ + h² J d`, L = Σ w SᵀS, J d = Σ w Sᵀ p | `G` |
+//! | Wang 2015 | a Jacobi sweep for a solve; extrapolates after 10 iterations | the solve; after 3; a safeguard |
 //! | Liu 2017 | w fitted to the stress of the material | w is the stiffness; besides, a coarse grid |
-//! | Li 2020 (IPC) | barrier −(d − h)² ln(d/h), κ_c adapted; f′ = 2y − y² of y = ‖u‖/ε below 1 | ψ above, κ_c given; f′ = y |
+//! | Li 2020 (IPC) | −(d − h)² ln(d/h), κ_c adapted; f′ = 2y − y², y = ‖u‖/ε < 1 | ψ above, κ_c given; f′ = y |
 //! | | one length of a step for all vertices | a bound for each vertex |
 //!
 //! # When not to use this method
@@ -520,8 +522,8 @@
 //! 5. `chebyshev.rs`, `quasi_newton.rs`, `coarse.rs` with `lattice.rs`: the accelerations.
 //! 6. `contact.rs`, `newton.rs`; `components.rs`: momentum of what nothing holds; `pin_work.rs`.
 //!
-//! `tests/chapter` tests the claims of this page; its `main.rs` has a table of them. A step that can be followed by
-//! hand is `one_spring_ends_at_implicit_euler_in_closed_form` in its `minimum.rs`.
+//! `tests/chapter` tests the claims of this page; its `main.rs` has a table of them. A step, and its rate of
+//! convergence, that can be followed by hand is `one_spring_ends_at_implicit_euler_in_closed_form` in its `minimum.rs`.
 //!
 //! # References
 //! - M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",

@@ -6,6 +6,30 @@
 //! is the tension of the spring. At z = 0 every point of the sphere is as near; p is then r times a unit
 //! vector that the numbers of two vertices give ([`length_and_direction`](cloth_core::math::length_and_direction)).
 //!
+//! *Why S takes differences.* The same spring has another S: z = (x₀, x₁), and for a set all pairs of points at the
+//! distance L. The nearest pair moves either end by half of what the length is off, as in position-based dynamics with
+//! equal masses, so `½ w ‖z − p‖² = ¼ w (‖x₀ − x₁‖ − L)²`, for w = 2k the same energy. But `w SᵀS` is then 2k I, and
+//! not `k [[1, −1], [−1, 1]]`. It is larger by `k [[1, 1], [1, 1]]`, which resists a translation. The minimum is the
+//! same, but the iteration slower: for A′ ≥ A and ∇²G ≥ 0 each eigenvalue λ of A′⁻¹ ∇²G, in ascending order, is at most
+//! that of A⁻¹ ∇²G (Courant–Fischer), and near the minimum an iteration leaves 1 − λ of an error. And momentum is right
+//! at convergence only. Where each row of S adds up to zero a translation costs nothing, and every iteration keeps the
+//! momentum (`components.rs`). Bouaziz et al. (2014) subtract the mean of an element's vertices to the same end.
+//!
+//! *Which energies are squared distances.* Of ψ(z) = ½ w ‖z − p‖² the gradient is w (z − p). So two conditions are
+//! necessary, and easy to check: `‖∇ψ‖² = 2 w ψ` where ψ is differentiable, and ½ w ‖z‖² − ψ is convex (proof below),
+//! so no curvature of ψ is above w.
+//!
+//! | ψ | squared distance |
+//! |---|---|
+//! | Hooke's spring, ½ k (‖z‖ − L)² | both hold for w = k |
+//! | quadratic, ½ zᵀQz with a symmetric Q | if Q² = w Q, so if all eigenvalues are 0 or w. Else one element for each |
+//! | StVK, of degree four in F | no: its curvature grows with ‖F‖², beyond any w |
+//! | neo-Hookean, ½ μ ‖F‖² − μ ln det F + … | no: its curvature has no bound near det F = 0 |
+//! | a spring with the force k s + c s³, s = ‖z‖ − L | no: (k s + c s³)² is not 2 w (½ k s² + ¼ c s⁴) |
+//!
+//! (In the last row the terms in s² ask for w = k, those in s⁴ for w = 4k.) Where the second condition fails A is not
+//! above the Hessian, and an iteration without a line search may raise `G` (`objective.rs`).
+//!
 //! *A hinge* has the q and w of the [crate page](crate#idea). Its first triangle adds cot α₁ (x₀ − x₂) + cot α₀ (x₁ −
 //! x₂) to Σ qᵢ xᵢ. The height h of the tip x₂ over the edge meets it at b, at h cot α₀ from x₀ and h cot α₁ from x₁, so
 //! e = h (cot α₀ + cot α₁) and b = (h cot α₁ x₀ + h cot α₀ x₁)/e: what it adds is (e/h) (b − x₂), a vector of length e,
@@ -67,7 +91,7 @@
 //! | set | eigenvalues of I − ∂p/∂z |
 //! |---|---|
 //! | sphere of radius r (spring, curved hinge, stitch) | 1 along z; 1 − r/‖z‖ across it, twice |
-//! | maps without strain (triangle) | 1, three times; 1 − 2/(σ₁ + σ₂), a turn in the plane; 1 − 1/σ₁ and 1 − 1/σ₂, out of it |
+//! | maps without strain (triangle) | 1, three times; 1 − 2/(σ₁ + σ₂), a turn in the plane; 1 − 1/σₖ, out of it |
 //! | rotations (tetrahedron) | 1, six times; 1 − 2/(σᵢ + σⱼ) for each of three pairs |
 //! | limit of a spring, c = clamp(‖z‖) | 0 along z within the range, 1 beyond it; 1 − c/‖z‖ across it, twice |
 //! | limit of a triangle, c = clamp(σ) | 0 or 1 likewise for each σₖ; 1 − (c₁ + c₂)/(σ₁ + σ₂), 1 − (c₁ − c₂)/(σ₁ − σ₂), 1 − cₖ/σₖ |

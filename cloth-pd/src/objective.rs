@@ -17,7 +17,7 @@
 //! | drag of the air (quasi-Newton) | A lacks D/Δt | line search, as far as it goes |
 //! | pairs, coarse grid | the direction is not −A⁻¹g | line search |
 //! | extrapolation (Chebyshev) | x⁺ is not the minimum of Q | `G` is compared |
-//! | contact, friction | C is no squared distance, and stiffens without bound as a gap closes | a direction from `H + Σ k J Jᵀ` (`newton.rs`) or `A + Σ k J Jᵀ` (`contact.rs`), line search |
+//! | contact, friction | no squared distance, stiffness unbounded | another matrix (`newton.rs`), line search |
 //! | p not the nearest point, or w that depends on x | Q ≥ `G` or ∇Q = ∇G fails | none: the element is wrong |
 //! | another energy, such as neo-Hookean | its Hessian may exceed A | not taken |
 //! | rounding of `G` | two values agree to 10⁻¹² of their size | the slope decides (`quasi_newton.rs`) |
@@ -29,6 +29,23 @@
 //! `W(x[1]) + ½ ‖v[1] − v[0]‖²_M ≤ W(x[0]) + ½ ‖v[0]‖²_M`. Where E is convex `G` has a Hessian of at least M/Δt², so
 //! from its minimum `x[1]` it rises by `‖x[0] − x[1]‖²_M/(2Δt²) = ½ ‖v[1]‖²_M` at least to `x[0]`: that stands on the
 //! left too.
+//!
+//! *The damping of implicit Euler.* Its step of ẍ = −ω² x has `x₀ = x₁ − Δt v₁` and `v₀ = v₁ + Δt ω² x₁`. Squared, the
+//! first times ω², and added, the products ∓2 Δt ω² x₁ v₁ cancel: `ω² x₀² + v₀² = (1 + (ω Δt)²) (ω² x₁² + v₁²)`. So the
+//! energy ½ (ω² x² + v²) is divided by 1 + (ω Δt)² in every step, whatever the phase.
+//!
+//! *Damping in `G`.* Let D be symmetric and constant in the step, and `y = v[1] − v₀` with `v[1] = q/Δt`. The force
+//! −D y is minus the gradient of `½ Δt yᵀD y` by q, which adds D/Δt to the Hessian. The drag of the air is such a term.
+//! Rayleigh damping is not offered. It would have v₀ = 0, and:
+//!
+//! | D | in A | but |
+//! |---|---|---|
+//! | α M | α M/Δt, constant | a free vertex gets `(v[0] + Δt a)/(1 + α Δt)`: scaling velocities is nearly the same |
+//! | β Σ w SᵀS | β Σ w SᵀS/Δt, constant | resists turning as it resists stretch: folding and swinging are damped away |
+//! | β Σ w Sᵀ n nᵀ S, n = z/‖z‖ at `x[0]` | changes with it | a factorisation in every step, three times as many rows |
+//!
+//! (First row: `m (q − u)/Δt² + α m q/Δt = 0` has q = u/(1 + α Δt).) The third resists the rate of strain of springs,
+//! and nothing else; Newton's method, whose matrix is new in any case, takes it (`cloth-massspring`).
 //!
 //! A line search tries twelve lengths. Along −A⁻¹g with bending left out of A, or in air, the last of them is taken
 //! even if `G` rose (`quasi_newton.rs`).

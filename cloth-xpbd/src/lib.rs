@@ -113,8 +113,8 @@
 //! on the vertices are `Jᵀλ/h²` (N). λ is set to zero at the start of each *substep*, because (a) has to hold there: at
 //! x = x̃ no row has moved anything. Set to zero in each *iteration*, it gives the update without λ, above. *Never* set
 //! to zero, it turns a spring into a dashpot of kh (N s/m): to bear a weight takes `Δλ = −m g h²` in every substep, so
-//! λ grows without end, and with it the stretch −α̃λ that (b) asks for, by m g/k a substep. (Who starts from an old λ
-//! has to keep the residual of (a), as [the direct solver](#direct-solve) does.)
+//! λ grows without end, and with it the stretch −α̃λ that (b) asks for, by m g/k a substep. (To start from an old λ,
+//! begin at x̃ + M⁻¹Jᵀλ, where (a) holds with this J, or keep g, as [the direct solver](#direct-solve).)
 //!
 //! **What is lost.** Dropping the geometric stiffness alone changes the path of the iteration, not its limit. The limit
 //! moves because the residual of (a) is dropped: each `JᵀΔλ` is added with the gradients of its own visit, so (a) holds
@@ -124,7 +124,7 @@
 //! **Beside projective dynamics**, which lowers the same G in x with one constant matrix for all elements: XPBD
 //! eliminates x by `x = x̃ + M⁻¹ Jᵀ λ` and relaxes the *dual* system above row by row. Its sweeps carry a correction
 //! slowly along a chain, but a hard row is no slower than a stiff one. One solve with that matrix reaches through the
-//! chain, but no k may be ∞ in it.
+//! chain, but no k may be ∞ in it. [Sweeps by vertices](XpbdConfig#how-fast-sweeps-converge) are a third way.
 //!
 //! # The step
 //! ```text
@@ -306,26 +306,25 @@
 //! # Order of the constraints, colours and threads
 //! A sweep visits the families in the order in which they were added, and the elements of a family in the order of
 //! [`Sweep`]. Gauss–Seidel carries a correction along the order of the visits through a whole chain in one sweep, and
-//! against it by one element a sweep. So iterates depend on the order. Where rows are linear, or none turns, as in a
-//! straight chain, converged sweeps do not. Where rows turn they do, since each correction keeps the gradients of its
-//! own visit: two orders end apart, by no more than the sum of what each misses the implicit Euler step by
-//! ([limits](#limits)).
+//! against it by one element a sweep. So iterates [depend on the order](SubstepRule#against-the-closed-form). Where
+//! rows are linear, or none turns, as in a straight chain, converged sweeps do not. Where rows turn they do, since each
+//! correction keeps the gradients of its own visit: two orders end apart, by no more than the sum of what each misses
+//! the implicit Euler step by ([limits](#limits)).
 //!
 //! [`Sweep::Colored`], the default, colours the elements greedily, so that no two of a colour share a vertex. Elements
 //! of a colour then do not see each other's writes: they can be visited in parallel, without locks, and give the same
-//! bits as in turn, on any number of threads. A second thread takes part in colours of at least 4096 elements (feature
-//! `parallel`, on the current rayon pool); a processor gains on one thread too, since it need not wait for the element
-//! before. Elements of N vertices, at most d of which meet at one, take at most N (d − 1) + 1 colours: each has at most
-//! N (d − 1) neighbours, and takes the first colour that none of them has. [`Sweep::Sequential`] keeps the order given
-//! and one thread. [`Sweep::Jacobi`] solves all elements at the same positions and scales the corrections down; without
-//! extrapolation it is slow.
+//! bits as in turn, on any number of threads ([other machines](XpbdSolver#rounding)). A second thread takes part in
+//! colours of at least 4096 elements (feature `parallel`, on the current rayon pool); a processor gains on one thread
+//! too, since it need not wait for the element before. Elements of N vertices, at most d of which meet at one, take at
+//! most N (d − 1) + 1 colours: each has at most N (d − 1) neighbours, and takes the first colour that none of them has.
+//! [`Sweep::Sequential`] keeps the order given and one thread. [`Sweep::Jacobi`] solves all elements at the same
+//! positions and scales the corrections down; without extrapolation it is [slow](XpbdConfig#how-fast-sweeps-converge).
 //!
 //! [`XpbdConfig::acceleration`] extrapolates λ and x over the sweeps of a substep ([`Chebyshev`]), for those who need
 //! many ([why it is faster](XpbdConfig#relaxation-and-extrapolation)). An iteration of Gauss–Seidel is then two sweeps,
 //! forward and back. A chain of 20 rigid links takes less than a fifth of the sweeps to 1e-7 m with ρ given, less than
 //! a third with ρ estimated (`tests/all/sweeps.rs`). The family visited last is met best, since none after it undoes
-//! it: add the one that must hold best last, with Chebyshev first, where the way back ends. Air and then contact come
-//! after all.
+//! it: add the one that must hold best last, with Chebyshev first, where the way back ends. Air and contact come last.
 //!
 //! # Contact
 //! A [`ContactSource`](cloth_core::contact::ContactSource), as the crate `cloth-collide` has it, is handed over with
@@ -360,12 +359,13 @@
 //! Δλ = max(−λ, −(C + α̃λ)/(w̃ + α̃)),   λ_f ← λ_f − u/w̃, cut to ‖λ_f‖ ≤ μ λ
 //! ```
 //!
-//! The first changes nothing where C + α̃λ = 0 with λ > 0, or C ≥ 0 with λ = 0: no pull, and no push where C > 0.
-//! The second is for friction (after Müller et al. 2020, section 3.5, with one μ for sticking and sliding): u is the
-//! displacement of `Σ c_k x_k` at right angles to n̂ from where the contact sticks, at first from where it was when
-//! contact began. From substep to substep u is kept while λ > 0, cut to r/100: what is beyond has slipped, and is not
-//! taken back. The length is fixed, and not the `μ λ w̃` that the cone can take back in a substep. That is some μ g h²
-//! at rest, 2 µm at 1/1200 s and μ = 0.3: cloth that sticks would creep by what unconverged sweeps leave beyond it.
+//! The first changes nothing where C + α̃λ = 0 with λ > 0, or C ≥ 0 with λ = 0: no pull, and no push where C > 0. The
+//! second is friction, a hard row across n̂ (after Müller et al. 2020, section 3.5, with one μ for sticking and
+//! sliding): u is the displacement of `Σ c_k x_k` at right angles to n̂ from where the contact sticks, at first from
+//! where it was when contact began. From substep to substep u is kept while λ > 0, cut to r/100: what is beyond has
+//! slipped, and is not taken back. The length is fixed, and not the `μ λ w̃` that the cone can take back in a substep.
+//! That is some μ g h² at rest, 2 µm at 1/1200 s and μ = 0.3: cloth that sticks would creep by what unconverged sweeps
+//! leave beyond it.
 //!
 //! **How exact is friction?** No contact leaves its cone, however few the sweeps: μ λ has the λ of this very visit, so
 //! cloth that lands has friction at once. The rest of Coulomb's law, u = 0 within the cone and `λ_f = −μ λ u/‖u‖` on
@@ -394,8 +394,7 @@
 //! **Restitution.** With `PotentialBuilder::restitution(e)`, e from 0 to 1, `change_velocities` gives every pair that
 //! approached with a speed v_a along n̂ and has touched the separation velocity e v_a, by the impulse
 //! `(e v_a − v_s)/w̃` along n̂, v_s its separation velocity before that (Müller et al. 2020, section 3.6). An approach
-//! of less than a thousandth of the thickness in a substep is rest. Unless e is set, contact gives back what ψ has
-//! stored.
+//! of less than a thousandth of the thickness in a substep is rest. Without e contact gives back what ψ stored.
 //!
 //! **Bodies**, all of `PotentialBuilder`, each with its own μ: `obstacle` is a rigid one of a signed distance, still or
 //! moving; `animated` a mesh whose vertices follow given shapes; `free` gives an obstacle a mass and an inertia, so
@@ -478,10 +477,10 @@
 //!   [Rates](XpbdConfig#how-fast-sweeps-converge) by stiffness, mesh and mass ratio.
 //! - **Stability**: for linear equality rows each visit of Gauss–Seidel, with a relaxation between 0 and 2, lowers
 //!   `½ λᵀ(J M⁻¹ Jᵀ + α̃)λ + λᵀC(x̃)`, and converged sweeps take backward Euler's step, which gains no energy at any h.
-//!   For fewer sweeps, or rows that turn, nothing is proved from step to step, and [energy can be
-//!   gained](#steps-that-gain-energy). Tested (`chapter/robustness.rs`): a sheet let go from any tangle, at any
-//!   stiffness, stays finite with Δt up to 1 s; one of 10⁴ N/m hangs once its kinetic energy is taken out at each peak.
-//!   [`Sweep::PlainJacobi`] diverges in cloth unless it is relaxed.
+//!   Fewer are stable if they go [forward and back](XpbdConfig#what-few-sweeps-do-to-the-motion). One way, or where
+//!   rows turn, [energy can be gained](#steps-that-gain-energy). Tested (`chapter/robustness.rs`): a sheet let go from
+//!   any tangle, at any stiffness, stays finite with Δt up to 1 s; one of 10⁴ N/m hangs once its kinetic energy is
+//!   taken out at each peak. [`Sweep::PlainJacobi`] diverges in cloth unless it is relaxed.
 //! - **Order**: the step is backward Euler's, of order 1 in h. BDF2 would make it 2, by the same sweeps with 2h/3 for h
 //!   in α̃ and `x̃ = (4x⁰ − x⁻¹)/3 + (2h/3) (4v⁰ − v⁻¹)/3 + (4h²/9) M⁻¹ f_ext`, x⁻¹ and v⁻¹ of the substep before. It
 //!   is not offered: a step would depend on more than the state, and begin anew at every impact, and one sweep leaves
@@ -494,12 +493,13 @@
 //!   `r = l r̃/‖r̃‖` with the rate (r − r⁰)/h. L was in proportion to r⁰ × r̃/h and is to `r × (r − r⁰)/h = r⁰ × r/h`:
 //!   it is multiplied by `l/‖r̃‖`. That is `1/√(1 + (ωh)²)` in a first substep, with a velocity across r⁰. Later r̃ is
 //!   2 r⁰ less the r of the substep before, and l/‖r̃‖ is `1/√(5 − 4 cos φ)`, φ the turn in that one, about ωh: in unit
-//!   time ω² h of L is lost. Energy is lost, too, where sweeps converge.
+//!   time ω² h of L is lost, and twice that of the kinetic energy: at one turn a second and 1/1200 s, 6.6 % a second.
 //! - **Rounding**: positions of 1 m leave a correction ten digits at h = 1/1200 s and five at 1 µs in double precision,
 //!   in single two at 0.8 ms ([law](XpbdSolver#rounding)).
 //! - Damping does not act on hard rows, which have no rate, on limits, whose damper would push, nor on rigid motion.
-//! - **Jitter**: too few sweeps stretch the cloth, they do not shake it. At rest each substep repeats the one before
-//!   (`chapter/guide.rs`). Ringing is energy of a stop left in springs: take more substeps or damping.
+//! - **Jitter**: too few sweeps stretch cloth; a single one may [shake](XpbdConfig#what-few-sweeps-do-to-the-motion) a
+//!   vertex between hard struts. At rest each substep repeats the one before (`chapter/guide.rs`). Ringing after a stop
+//!   is strain energy of too few sweeps: take more substeps or damping.
 //! - **Locking** comes from the mesh; converged sweeps have it as any method has. By Euler's formula a sheet of V
 //!   vertices and e edges that cannot stretch (one piece, no holes) has 3V − e = B + 3 motions, the six rigid ones
 //!   among them, B the edges of its boundary. A free surface takes about V numbers, one height a vertex: far more. A
@@ -527,7 +527,7 @@
 //!   springs (`cloth-massspring`); substeps only lower the damping here.
 //! - **Mass ratios far from 1** along chains: the direct solver.
 //! - **Energies that are not `½ k C²`** with constant k in a few rows, as cubic shells. (Stable neo-Hookean solids can
-//!   be written as two rows: Macklin and Müller 2021.) Isotropic materials only, or springs by hand.
+//!   be written as two rows: Macklin and Müller 2021.) Elements are isotropic ([others](XpbdBuilder#elements)).
 //!
 //! It is at its best with few constraints, hard ones beside soft ones, limits, and where some strain may be seen.
 //!

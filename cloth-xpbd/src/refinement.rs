@@ -9,9 +9,9 @@
 //! ```
 //!
 //! with `E = ½ Σ k C²` over all rows of finite stiffness. (A hard row stores nothing.) XPBD loses energy in most steps,
-//! so a gain is usually a sign of that. (Not always: the work of prescribed vertices is itself in error where rows turn
-//! in a substep.) Gains are summed over the steps and losses taken off, but the sum is never below zero. With a bound
-//! of τ times the scale of energy,
+//! so a gain is usually a sign of too few sweeps. (Not always: the work of prescribed vertices is itself in error where
+//! rows turn in a substep.) Gains are summed over the steps and losses taken off, but the sum is never below zero. With
+//! a bound of τ times the scale of energy,
 //!
 //! - *more*: a step that adds to the sum and lifts it above the bound is repeated from its start with twice as many
 //!   substeps, and the next one begins with as many. If over 0.8 of the gain is left, more substeps do not help, and

@@ -23,6 +23,7 @@ mod obstacles;
 mod pins;
 mod roughness;
 mod seam;
+mod selection;
 mod start;
 mod tear;
 

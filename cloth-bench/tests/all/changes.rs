@@ -145,6 +145,58 @@ fn pieces_of_two_materials_hang_as_each_does_alone() {
     }
 }
 
+/// A table with `mesh` chooses among the vertices of that piece, which it counts from 0.
+#[test]
+fn vertices_are_chosen_within_a_piece() {
+    let low = format!("{STRIP}translate = [0, 0, -1]\n");
+    let held = |pins: &str| -> Vec<usize> {
+        let scene = scene("within", &format!("{STRIP}{low}[[pins]]\n{pins}\n"));
+        let particles = &scene.model.particles;
+        (0..particles.len())
+            .filter(|&v| particles.is_prescribed(v))
+            .collect()
+    };
+    let second = |numbers: Vec<usize>| -> Vec<usize> { numbers.iter().map(|v| v + 27).collect() };
+    let everywhere = "box = [[-9, -9, -9], [9, 9, 9]]";
+    assert_eq!(held(everywhere).len(), 54);
+    assert_eq!(
+        held(&format!("mesh = 0\n{everywhere}")),
+        Vec::from_iter(0..27)
+    );
+    assert_eq!(
+        held(&format!("mesh = 1\n{everywhere}")),
+        Vec::from_iter(27..54)
+    );
+    assert_eq!(held("mesh = 1\nvertices = [0, 26, 0]"), [27, 53]);
+    for name in ["highest", "corners", "border"] {
+        let first = held(&format!("mesh = 0\nselect = \"{name}\""));
+        assert!(
+            first.iter().all(|&v| v < 27) && !first.is_empty(),
+            "{name}: {first:?}"
+        );
+        let select = format!("mesh = 1\nselect = \"{name}\"");
+        assert_eq!(held(&select), second(first), "{name}");
+    }
+    let wrong = |text: &str| refused("within", &format!("{STRIP}{low}{text}"));
+    for (text, message) in [
+        (
+            "[[pins]]\nmesh = 2\nvertices = [0]\n",
+            "line 11: there is no mesh 2, only 0 to 1",
+        ),
+        (
+            "[[pins]]\nmesh = 1\nvertices = [27]\n",
+            "line 12: there is no vertex 27, only 0 to 26",
+        ),
+        (
+            "[[event]]\ntime = 0\ndo = \"tear\"\nmesh = 1\nbox = [[-9, -9, -9], [9, 9, 9]]\n",
+            "line 13: mesh has no meaning for a tear",
+        ),
+    ] {
+        let told = wrong(text);
+        assert!(told.contains(message), "{told}");
+    }
+}
+
 #[test]
 fn what_is_wrong_with_a_change_is_said_with_its_line() {
     let pins = |text: &str| {

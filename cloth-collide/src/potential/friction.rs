@@ -12,6 +12,7 @@
 //!
 //! # Limits
 //!
+//! - There is one μ, for sticking and for sliding.
 //! - λ, the normal and the contact point are those of the start of the step, and are not iterated: the energy stays one
 //!   function, which a line search can lower. Where the pressure changes from λ₀ to λ₁ in a step the force is bounded
 //!   by μ λ₀, so the error is the change of μ λ over one step; on landing it is all of it.

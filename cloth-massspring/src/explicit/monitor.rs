@@ -19,9 +19,9 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{kinetic_energy, rounding_energy};
 use cloth_core::particles::Particles;
 
-/// Substeps after which the estimate is made anew.
+/// Substeps after which the estimate is repeated.
 const FRESH_FOR: u32 = 256;
-/// Growth of the kinetic energy after which it is made anew, whatever its age.
+/// Growth of the kinetic energy after which it is repeated, whatever its age.
 const GROWTH: Real = 4.0;
 /// Kinetic energy over what the cloth started with and was given, from which on a run counts as blown up.
 ///

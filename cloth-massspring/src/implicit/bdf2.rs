@@ -26,14 +26,14 @@
 //! so that every other one is of implicit Euler, and λ ([`Bdf2`]) is not the damping. The second term on the right
 //! keeps small motions of cloth at rest from counting. (A limitation: smaller jumps pass, and the step with the jump is
 //! one of BDF2 itself. With a floor at 0, `x[0] = s` and `x[−1] = s + v Δt`, it ends at 0 with the velocity
-//! `v/2 − 3s/(2Δt)`, between −v and v/2: what falls flat may rebound with up to half of its speed.) Where all forces are linear and nothing touches, no oscillation grows, resolved or not ([why](Bdf2)), and
-//! the test is left out.
+//! `v/2 − 3s/(2Δt)`, between −v and v/2: what falls flat may rebound with up to half of its speed.) Where all forces
+//! are linear and nothing touches, no oscillation grows, resolved or not ([why](Bdf2)), and the test is left out.
 //!
-//! A load that sets in or ends has no parabola through its jump either, and that is known before the step: after
-//! `v[0] = v[−1] + Δt a` a step without the load would begin with `v_b = v[0] + Δt a/3`, the next with a third of this
-//! more, and so on, `Δt a/2` together; where it sets in, as much is lost. So a step whose load differs from the last
-//! one by more than half of the larger of the two, in the norm `‖M⁻¹f‖_M`, is one of implicit Euler too: an impulse is then
-//! what it is, to rounding.
+//! Nor does a parabola fit where a load sets in or ends. That is known before the step: after `v[0] = v[−1] + Δt a` a
+//! step without the load would begin with `v_b = v[0] + Δt a/3`, the next with a third of this more, and so on,
+//! `Δt a/2` together; where it sets in, as much is lost. So a step whose load differs from the last one by more than
+//! half of the larger of the two, in the norm `‖M⁻¹f‖_M`, is one of implicit Euler too: the impulse of the load is then
+//! exact to rounding.
 //!
 //! C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952,
 //! <https://doi.org/10.1073/pnas.38.3.235>; for cloth, with one linear solve a step
@@ -57,9 +57,11 @@ const JUMP: Real = 0.1;
 ///
 /// *No oscillation grows:* with `a + ib = √(1 + 2iz)`, a > 0, the real part gives a² − b² = 1, so a ≥ 1. Then
 /// `|2 + a + ib| ≥ 3`, and `|2 − a − ib|² = (2 − a)² + a² − 1 = 1 + 2 (a − 1)²` is 1 or more: |λ| ≤ 1 for both roots,
-/// equal to 1 only for z = 0. Nor does a damped one, `u′ = σu` with Re σ ≤ 0, which has Δt σ in the place of iz: there
-/// a ≥ 0 and b² ≥ a² − 1, so `|2 − a − ib|² ≥ 1 + 2 (a − 1)²` and `|2 + a + ib| ≥ 2` (A-stable; and L-stable like
-/// implicit Euler, as λ tends to 0 with growing |Δt σ|: the midpoint rule is A-stable only).
+/// equal to 1 only for z = 0. (By `2a² = 1 + √(1 + 4z²)`, a is about `1 + z²/2` for small z: hence `|λ|⁻² ≈ 1 + z⁴/2`
+/// and the z⁴/4. For large z `√(1 + 2iz)` is all that counts, of modulus `√(2z)`.) Nor does a damped one, `u′ = σu`
+/// with Re σ ≤ 0, which has Δt σ in the place of iz: there a ≥ 0 and b² ≥ a² − 1, so `|2 − a − ib|² ≥ 1 + 2 (a − 1)²`
+/// and `|2 + a + ib| ≥ 2` (A-stable; and L-stable like implicit Euler, as λ tends to 0 with growing |Δt σ|: the
+/// midpoint rule is A-stable only).
 ///
 /// Linear momentum is kept as in [`ImplicitEuler`](crate::ImplicitEuler), angular momentum is not.
 ///

@@ -1,4 +1,27 @@
 //! How far to go along a Newton direction: backtracking with Armijo's condition, and its form for the last digits.
+//!
+//! **Why the iteration converges**, for springs, hinges with a constant Hessian and no contact, apart from rounding. As
+//! `½ k (l − L)² = ½ k l² − k L l + ½ k L²`, and l is a convex function of the positions, a spring is a quadratic
+//! function less a convex one. The convex one lies above its tangents, so for all x and p, also where springs are
+//! compressed or have no length,
+//! ```text
+//! G(x + p) ≤ G(x) + ∇G(x)·p + ½ pᵀA₀ p,    A₀ = M/s² + the Hessian of E with all rest lengths 0
+//! ```
+//! Let `p = −A⁻¹∇G`, the eigenvalues of A lie between μ > 0 and Λ, and those of A₀ up to Λ₀. With the square of the
+//! Newton decrement, `J = ∇GᵀA⁻¹∇G`, we have `pᵀA₀ p ≤ Λ₀ ‖p‖² ≤ Λ₀ J/μ`, and so
+//! `G(x + t p) − G(x) ≤ −t J + ½ t² Λ₀ J/μ`. Armijo's condition holds where that is at most `−c t J`: for every
+//! `t ≤ 2 (1 − c) μ/Λ₀`. As a length is never below a tenth of the one before, t ends at `min(1, 0.2 (1 − c) μ/Λ₀)` or
+//! more, the same bound in every iteration, and G falls by `c t J ≥ c t ‖∇G‖²/Λ`. G is never negative, so the sum of
+//! all falls is finite, and ∇G tends to 0.
+//!
+//! By [`Convexity::Clamp`](cloth_core::element::Convexity::Clamp) A has such bounds: across a spring it has
+//! `max(0, k (1 − L/l))`, at most k, so that `M/s² ≤ A ≤ A₀`: μ is the least m/s² and Λ = Λ₀. (With `A = A₀` in
+//! every iteration t = 1 passes always: that is the iteration of projective dynamics.) The bounds are poor, and the
+//! rate that they give, too; they say that no start is too far away, and that every limit is a stationary point, not
+//! that it is a minimum. Nothing of the kind holds for other choices. The blend of `system` has no μ of its own, since
+//! it is made nearly singular; by absolute values Λ has no bound where l tends to 0; L-BFGS has neither. They need
+//! fewer iterations, and where they fail Newton's method or the next blend takes over. In general: Nocedal and Wright,
+//! *Numerical Optimization*, 2006, theorem 3.2.
 
 use super::stage::Stage;
 use crate::stability::dot;
@@ -99,7 +122,7 @@ pub(super) fn leave_saddle(
     for _ in 0..MAX_TRIALS {
         place(from, direction, length, to);
         to.evaluate(stage);
-        if to.value - from.value <= 0.25 * curvature * length * length {
+        if to.value - from.value < 0.25 * curvature * length * length {
             return true;
         }
         length *= 0.5;

@@ -271,7 +271,7 @@ impl Minimizer {
     ///   displacement that was left, and four times as large after a full step to its end.
     /// - A full step with half of its slope left goes on along its direction (`extrapolation`).
     /// - Once five steps have been cut below a quarter of their directions, directions are to a tenth of the residual
-    ///   (conjugate gradients, a Hessian taken anew): what one cycle leaves would run into the next contact.
+    ///   (conjugate gradients, the Hessian recomputed): what one cycle leaves would run into the next contact.
     fn iterate(
         &mut self,
         method: &mut QuasiNewton,

@@ -12,9 +12,9 @@ use cloth_core::method::family::{Assembly, Energies};
 use cloth_core::method::limited_memory::LimitedMemory;
 use cloth_core::method::vectors::dot;
 
-/// Iterations at the start of a step that take the matrix anew each, with predicted forces.
+/// Iterations at the start of a step that recompute the matrix each, with predicted forces.
 const PREDICTED_FORCE_ITERATIONS: u32 = 4;
-/// Iterations after which the matrix is taken anew.
+/// Iterations after which the matrix is recomputed.
 const REFRESH_INTERVAL: u32 = 8;
 /// Fraction of a direction below which a step in contact counts as shortened, and the number of such steps after which
 /// directions are those of the truncated Newton method.
@@ -68,7 +68,7 @@ impl QuasiNewton {
         self.hessian.clear_contacts();
     }
 
-    /// Takes the matrix anew at `current` if it is time. `before` is the iterate before, or the start of the step (m).
+    /// Recomputes the matrix at `current` if it is time. `before` is the iterate before, or the start of the step (m).
     /// Returns whether it did.
     pub(super) fn refresh(
         &mut self,
@@ -174,7 +174,7 @@ impl QuasiNewton {
             && self.unconstrained.restore_momentum_together(stage, point)
     }
 
-    /// Goes back to L-BFGS without pairs, and takes the matrix anew in the next iteration. Returns whether that changes
+    /// Goes back to L-BFGS without pairs, and recomputes the matrix in the next iteration. Returns whether that changes
     /// anything.
     pub(super) fn restart(&mut self) -> bool {
         let changes = self.is_often_shortened() || !self.history.is_empty() || self.age > 1;

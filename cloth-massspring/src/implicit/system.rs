@@ -10,10 +10,18 @@
 //! M/s² + b H_exact + (1 − b) H_clamped,    0 ≤ b ≤ 1
 //! ```
 //!
-//! with the blend `b` as near to 1 as positive definiteness allows, which the Cholesky factorisation tells, and
-//! conjugate gradients where they come across it. Near a minimum `b = 1` and convergence is quadratic. Near a saddle
-//! the blended matrix is almost singular along the way down, so the step along it is long, and the saddle is left
-//! within a few iterations.
+//! with the blend `b` as near to 1 as positive definiteness allows. A Cholesky factorisation detects an indefinite
+//! matrix always (a pivot is not positive), conjugate gradients if they meet a direction of negative curvature. Near a
+//! minimum `b = 1` and convergence is quadratic. Near a saddle the blended matrix is almost singular along the way
+//! down, so the step along it is long, and the saddle is left within a few iterations.
+//!
+//! **Why no trust region.** Its step, the minimum of `∇G·p + ½ pᵀA p` over `‖p‖_M ≤ r`, solves `(A + λM) p = −∇G` with
+//! a λ ≥ 0 that makes `A + λM` positive semi-definite, and 0 unless `‖p‖_M = r` (Nocedal and Wright, *Numerical
+//! Optimization*, 2006, theorem 4.1, in the norm of M). With `A = M/s² + H` this is the matrix of a shorter time,
+//! `1/s² + λ` for `1/s²`. So a few compressed springs would hold back the whole cloth, falling and turning too, whereas
+//! the blend changes their own blocks only. The price in factorisations is the same: one for each λ, as for each b. In
+//! contact the displacement is bounded, without a change of its direction
+//! ([`TrustRadius`](cloth_core::method::trust::TrustRadius)).
 //!
 //! **Buckling and the step.** Flat cloth under the pressure N (N/m) with the deflection w moves by
 //! `ρ ∂²w/∂t² = −N ∂²w/∂X² − D ∂⁴w/∂X⁴`: a wave of number ξ grows like `e^(σt)`, `ρσ² = Nξ² − Dξ⁴`. So it grows where
@@ -205,7 +213,7 @@ impl NewtonSystem {
     /// Drops the whole indefinite part in the next iteration. Returns whether that changes anything.
     pub(super) fn clamp_fully(&mut self) -> bool {
         let changes = self.policy == HessianPolicy::ExactFirst && self.first_blend() > 0.0;
-        (self.blend, self.wait) = (0.0, RETRY_INTERVAL);
+        (self.blend, self.ceiling, self.wait) = (0.0, 0.0, RETRY_INTERVAL);
         changes
     }
 

@@ -8,7 +8,7 @@ use super::rows::{RowFamily, Rows, family};
 use super::solver::DirectXpbd;
 use cloth_core::cloth::{ConstraintVisitor, Elements};
 use cloth_core::element::Constraint;
-use cloth_core::error::not_negative;
+use cloth_core::error::{at_least_one, not_negative};
 use cloth_core::math::Vec3;
 use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::method::position_based::check_counts;
@@ -93,6 +93,7 @@ impl DirectBuilder {
         not_negative("the tolerance", config.tolerance)?;
         not_negative("the damping", config.damping)?;
         not_negative("the Krylov tolerance", config.krylov_tolerance)?;
+        at_least_one("the number of Krylov iterations", config.max_krylov)?;
         let mut families = self.families?;
         let vertex_count = self.particles.len();
         let mut pattern = PatternBuilder::new(vertex_count);

@@ -60,7 +60,7 @@ pub struct DirectConfig {
     pub damping: Real,
     /// Relative residual at which MINRES and conjugate gradients stop.
     pub krylov_tolerance: Real,
-    /// Most iterations of MINRES and conjugate gradients per linear solve.
+    /// Most iterations of MINRES and conjugate gradients per linear solve, at least 1.
     pub max_krylov: u32,
 }
 

@@ -114,17 +114,12 @@ impl Family for Springs {
     fn each_pin_impulse(&self, x: &[f32x4], see: &mut dyn FnMut(usize, Vec3)) {
         for (pack, memory) in self.packs.elements().iter().zip(&self.memory) {
             let lambdas = memory.lambda.to_array();
-            let compliances = memory.scaled_compliance.to_array();
             for (i, lambda) in lambdas.into_iter().enumerate() {
                 let ends = [pack.vertices[i], pack.vertices[i + 4]];
                 let [a, b] = ends.map(|end| &x[end as usize]);
-                // Padding has no λ.
+                // Padding has no λ, nor has a hard spring between prescribed ends.
                 let held = [a, b].map(is_prescribed);
                 if lambda == 0.0 || held == [false, false] {
-                    continue;
-                }
-                // Without compliance between two prescribed ends no force is found, however large λ.
-                if held == [true, true] && compliances[i] == 0.0 {
                     continue;
                 }
                 let d = (*a - *b).to_array();
@@ -161,8 +156,10 @@ fn project(pack: &Pack, memory: &mut Multipliers, x: &mut [f32x4; 8]) {
     }
     let value = length - pack.rest_length;
     let denominator = (aw + bw + memory.scaled_compliance) * divisor;
-    let change = -(value + memory.scaled_compliance * memory.lambda)
-        / denominator.fast_max(f32x4::splat(SMALLEST));
+    let smallest = f32x4::splat(SMALLEST);
+    let change =
+        -(value + memory.scaled_compliance * memory.lambda) / denominator.fast_max(smallest);
+    let change = change & !denominator.simd_le(smallest); // NaN stays NaN
     memory.lambda += change * divisor;
     let (a, b) = (aw * change, bw * change);
     let first = [ax + a * d[0], ay + a * d[1], az + a * d[2], aw];

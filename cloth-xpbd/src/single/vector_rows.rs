@@ -141,7 +141,10 @@ fn project<const N: usize>(rows: &Rows<N>, memory: &mut Multipliers, x: &mut [f3
     }
     // The inverse mass is not a coordinate.
     let coordinates = f32x4::new([1.0, 1.0, 1.0, 0.0]);
-    let factor = -1.0 / denominator.max(SMALLEST);
+    if denominator <= SMALLEST {
+        return;
+    }
+    let factor = -1.0 / denominator;
     let residual = value + memory.lambda * f32x4::splat(memory.scaled_compliance);
     let change = residual * coordinates * f32x4::splat(factor);
     memory.lambda += change;

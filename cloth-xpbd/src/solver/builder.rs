@@ -25,7 +25,7 @@ use cloth_core::step::BuildError;
 /// | closed `Stitch` | three: `z = Σ qᵢ xᵢ` | k (N/m) | qᵢ e_a | |
 /// | `CurvatureHinge`, `MidpointHinge` | three: `z = Σ qᵢ xᵢ` | D/(A₀ + A₁), 3D/(A₀ + A₁) (N/m) | qᵢ e_a | |
 /// | `CurvedHinge` | `‖z‖ − r` | D/(A₀ + A₁) (N/m) | `qᵢ z/‖z‖` | z = 0: any direction, by the numbers |
-/// | `DihedralHinge` | `θ − θ₀` | D e²/(A₀ + A₁) (J) | below | a wing without area: C and ∂C are zero; near that ∂C grows as 1/height |
+/// | `DihedralHinge` | `θ − θ₀` | D e²/(A₀ + A₁) (J) | below | a triangle without area: C = ∂C = 0; near that ∂C grows as 1/height |
 /// | `StvkTriangle` | three strains, below | below (J) | below | |
 /// | `ArapTriangle` | two: `σ − 1` | A₀ Y (J) | `u (v·bᵢ)` | σ = 0: any u at right angles to the other |
 /// | `ArapTetrahedron` | three: `σ − 1` | 2 μ V₀ (J) | `u (v·bᵢ)` | the same |
@@ -41,9 +41,9 @@ use cloth_core::step::BuildError;
 /// **No 0/0.** No element divides by C, or by anything that vanishes at rest: C = 0 is a point like any other. The
 /// lengths that do vanish, in a *present* shape, are those of the last column. Where a direction is missing one is
 /// chosen that is a limit of nearby ones, so that what has collapsed opens again. A row whose gradients are all zero
-/// has w̃ = 0 and moves nothing: a triangle shrunk to a point, a hinge without a wing. Nor does one between prescribed
-/// vertices; if it is soft, its λ becomes −C/α̃, h² times the force on them. Degenerate shapes *at rest* are
-/// [below](#rest-shapes).
+/// has w̃ = 0 and moves nothing: a triangle shrunk to a point, a dihedral hinge with a triangle without area. Nor does
+/// one between prescribed vertices; if it is soft, its λ becomes −C/α̃, h² times the force on them. Degenerate shapes
+/// *at rest* are [below](#rest-shapes).
 ///
 /// **k of a spring from Y** (N/m), on the alternating grid of squares of side a. In a sheet under the plane strain ε a
 /// spring of length L along the unit vector n is strained by nᵀεn, and stores `½ k L² (nᵀεn)²`. To a square belong one
@@ -71,6 +71,14 @@ use cloth_core::step::BuildError;
 /// polynomials, with a gradient at rest and under compression, where C₁ < 0. (The one row `C = √(2E)` has `∂C = ∂E/C`,
 /// which is 0/0 at rest.) The gradients shrink with f and g: pressed below 1/√3 of its length a triangle resists less
 /// and less. σ, u and v above are singular values and vectors of F. There is no neo-Hookean triangle.
+///
+/// **Another quadratic energy**, `E = ½ Cᵀ K C` with a constant symmetric matrix K (the inverse of the compliance
+/// matrix α of Macklin et al. 2016, section 4), is rows too. With `K = S diag(k) Sᵀ`, S orthogonal, they are SᵀC, with
+/// Sᵀ ∂C and the eigenvalues k. The rows of one element are solved together, so this rotation changes no update:
+/// `J M⁻¹ Jᵀ + α̃` turns with it. The strains above are (G₁₁, G₂₂, √2 G₁₂) of the Green strain G, turned like that. An
+/// orthotropic sheet, with 1 and 2 along warp and weft, has there `K = A₀ [c₁₁, c₁₂, 0; c₁₂, c₂₂, 0; 0, 0, 2 μ]`, μ the
+/// shear modulus (N/m): the third row stays, and two eigenvectors of a 2 × 2 matrix make the others. No element here
+/// does that.
 ///
 /// **Quadratic hinge.** With θ₀ and θ₁ the rest angles of the first triangle at x₀ and x₁, θ₂ and θ₃ those of the
 /// second, `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −cot θ₀ − cot θ₁, −cot θ₂ − cot θ₃)`: constants, so no present shape

@@ -1,7 +1,7 @@
 //! The work of prescribed vertices that move, against the momentum that they give.
 
 use cloth_core::element::Constraint;
-use cloth_core::energy::{CurvatureHinge, Spring};
+use cloth_core::energy::{Attachment, CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
@@ -134,8 +134,14 @@ fn pins_that_a_rigid_spring_ties_do_no_work_in_either_precision() {
         .energy(vec![spring])
         .build()
         .unwrap();
+    let attachment = Attachment {
+        vertex: 0,
+        target: Vec3::zeros(),
+        stiffness: Real::INFINITY,
+    };
     let mut single = SingleXpbd::builder(&particles)
         .springs(&[spring])
+        .vector_rows(&[attachment])
         .build()
         .unwrap();
     let solvers: [&mut dyn Stepper; 2] = [&mut double, &mut single];

@@ -196,6 +196,16 @@ fn springs_and_hinges_keep_momentum_to_single_precision() {
     );
 }
 
+/// Where no positive denominator is left, a row with a negative stiffness does nothing, as in double precision.
+#[test]
+fn a_negative_stiffness_moves_nothing_beyond_bounds() {
+    let (_, mut solver) = pair(-1.0);
+    let start = State::at_rest(vec![Vec3::zeros(), Vec3::x() * 1.5]);
+    let mut state = start.clone();
+    solver.step(&mut state, StepInput::new(0.01)).unwrap();
+    assert_eq!(state.positions, start.positions);
+}
+
 #[test]
 fn an_attachment_pulls_to_its_place_wherever_that_is() {
     let particles = Particles::new(vec![1.0]).unwrap();

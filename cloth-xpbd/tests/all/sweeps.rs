@@ -4,10 +4,14 @@ use crate::counting_allocator;
 use crate::sheet;
 
 use crate::chain::Chain;
-use cloth_core::math::Real;
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
-use cloth_core::particles::State;
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
+use std::f64::consts::PI;
+use std::iter;
 
 const SWEEPS: [Sweep; 4] = [
     Sweep::Sequential,
@@ -80,7 +84,7 @@ fn extrapolated_sweeps_need_a_tenth_of_the_iterations() {
         left.iter().position(|&stretch| stretch < 1e-7).unwrap()
     };
     let plain = needed(Acceleration::default());
-    let radius = (std::f64::consts::PI / 40.0).cos().powi(2);
+    let radius = (PI / 40.0).cos().powi(2);
     let given = needed(chebyshev(Radius::Given(radius)));
     let estimated = needed(chebyshev(Radius::Estimated));
     println!("{plain} plain, {given} with ρ given, {estimated} with ρ estimated");
@@ -112,5 +116,60 @@ fn nothing_is_allocated_after_the_first_step() {
         let step = || sheet::fall(&mut solver, &mut state, 1);
         let count = counting_allocator::allocations_once_warm(step);
         assert_eq!(count, 0, "{config:?}");
+    }
+}
+
+/// A vertex in a plane, held by N hard struts that turn by π/N: one sweep the same way round multiplies its
+/// displacement by `μ = −cosᴺ(π/N)`, so that a substep multiplies the motion by the root z of `z² = μ (2z − 1)` that is larger.
+#[test]
+fn one_sweep_around_a_star_of_struts_gains_energy_from_five_on() {
+    const AWAY: Real = 1e-6;
+    let growth = |order: &[u32], iterations: u32| {
+        let n = order.len() as u32;
+        let angle = |strut: u32| Real::from(strut) * PI / Real::from(n);
+        let ends = order.iter().map(|&strut| {
+            let (y, x) = angle(strut).sin_cos();
+            Vec3::new(x, y, 0.0)
+        });
+        let positions: Vec<_> = iter::once(Vec3::zeros()).chain(ends).collect();
+        let mut particles = Particles::new(vec![1.0; positions.len()]).unwrap();
+        for end in 1..positions.len() {
+            particles.prescribe(end).unwrap();
+        }
+        let struts: Vec<[u32; 2]> = (1..=n).map(|end| [0, end]).collect();
+        let struts = Spring::along(&positions, &struts, Real::INFINITY);
+        let config = XpbdConfig {
+            iterations,
+            substeps: 1,
+            sweep: Sweep::Sequential,
+            ..XpbdConfig::default()
+        };
+        let builder = XpbdSolver::builder(&particles)
+            .energy(struts)
+            .config(config);
+        let mut solver = builder.build().unwrap();
+        let mut state = State::at_rest(positions);
+        let mut sizes = Vec::new();
+        state.positions[0] = Vec3::new(0.3 * AWAY, AWAY, 0.0);
+        for _ in 0..30 {
+            solver.step(&mut state, StepInput::new(0.01)).unwrap();
+            sizes.push(state.positions[0].norm());
+        }
+        [(sizes[29] / sizes[9]).powf(0.05), sizes[29] / AWAY]
+    };
+    let larger = |mu: Real| (mu - (mu * mu - mu).sqrt()).abs();
+    for n in [4, 5, 6] {
+        let order: Vec<u32> = (0..n).collect();
+        let mu = -(PI / Real::from(n)).cos().powi(n as i32);
+        let ([found, _], law) = (growth(&order, 1), larger(mu));
+        assert!(
+            (found / law - 1.0).abs() < 1e-4,
+            "{n} struts: {found}, {law}"
+        );
+        assert_eq!(found > 1.0, n > 4, "{n} struts: {found}");
+    }
+    for (order, iterations) in [([0, 1, 2, 3, 4], 2), ([0, 2, 4, 1, 3], 1)] {
+        let [_, left] = growth(&order, iterations);
+        assert!(left < 1e-6, "{order:?}, {iterations} sweeps leave {left}");
     }
 }

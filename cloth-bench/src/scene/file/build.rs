@@ -3,6 +3,7 @@
 use super::document::{Document, Section};
 use super::keys::{MESH_CLOTH, MESH_CONTACT, MESH_SOLID, Obstacle, SECTIONS, Top, overrulable};
 use super::material::Material;
+use super::selection::Pieces;
 use super::{
     air, event, force, gas, hints, link, mass, mesh, methods, obstacles, pins, roughness, seam,
     start, tear,
@@ -256,22 +257,17 @@ impl<'a> Sections<'a> {
         let (cloth, contact) = (read(&self.cloth), read(&self.contact));
         let mut material = Material::new(&cloth, &self.materials, solids, &counts)?;
         let up = -gravity.try_normalize(0.0).unwrap_or(-Vec3::z());
-        let mut held = Vec::new();
-        for section in &self.pins {
-            held.push(pins::chosen(section, &mesh, up)?);
-        }
-        let mut weighted = Vec::new();
-        for section in &self.masses {
-            weighted.push(pins::chosen(section, &mesh, up)?);
-        }
-        let mut pushed = Vec::new();
-        for section in &self.forces {
-            pushed.push(pins::chosen(section, &mesh, up)?);
-        }
-        let mut grasped = Vec::new();
-        for section in &self.events {
-            grasped.push(event::chosen(section, &mesh, up)?);
-        }
+        let pieces = Pieces {
+            mesh: &mesh,
+            counts: &counts,
+            up,
+        };
+        let mut held = pieces.chosen_by(&self.pins)?;
+        let mut weighted = pieces.chosen_by(&self.masses)?;
+        let mut pushed = pieces.chosen_by(&self.forces)?;
+        let events = self.events.iter();
+        let grasped = events.map(|section| event::chosen(section, &pieces));
+        let mut grasped: Vec<Vec<usize>> = grasped.collect::<Result<_, _>>()?;
         let borders = seam::Borders::new(&self.seams, &mesh, &counts)?;
         let mut seams = Vec::new();
         for (section, borders) in self.seams.iter().zip(borders.iter().cycle()) {

@@ -3,11 +3,11 @@
 use super::document::Section;
 use super::keys::{Deed, Event, Obstacle, Selection, Way};
 use super::pins;
+use super::selection::Pieces;
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::{Change, ChangeKind, ContactSetup};
-use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::TriMesh;
+use cloth_core::math::Real;
 use cloth_core::particles::Particles;
 use cloth_core::pin::PinMotion;
 
@@ -25,14 +25,10 @@ impl Event {
 }
 
 /// The vertices of an event, in the caller's numbers; none of a tear or of a body.
-pub(super) fn chosen(
-    section: &Section<'_>,
-    mesh: &TriMesh,
-    up: Vec3,
-) -> Result<Vec<usize>, BenchError> {
+pub(super) fn chosen(section: &Section<'_>, pieces: &Pieces<'_>) -> Result<Vec<usize>, BenchError> {
     match section.read::<Event>()?.deed(section)? {
         Deed::Tear | Deed::Drive => Ok(Vec::new()),
-        Deed::Grab | Deed::Drag | Deed::Release => pins::chosen(section, mesh, up),
+        Deed::Grab | Deed::Drag | Deed::Release => pieces.chosen(section),
     }
 }
 
@@ -121,6 +117,7 @@ pub(super) fn of_bodies(
         refuse_motion(section, "for a drive")?;
         let chosen = section.read::<Selection>()?;
         for key in [
+            chosen.mesh.bare(),
             chosen.select.bare(),
             chosen.vertices.bare(),
             chosen.corners.bare(),

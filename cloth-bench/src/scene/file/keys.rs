@@ -79,11 +79,12 @@ crate::settings! {
     }
     /// Vertices by name, number or place.
     pub(super) struct Selection {
+        mesh: Option<u32> = "none", "number of the [[mesh]] table, from 0, whose vertices alone are chosen; none: all";
         select: Option<String> = "none",
             "\"corners\" (the two at one end of a sheet), \"highest\" or \"border\" (all on an edge of one triangle); \
              give this, vertices or a box";
         vertices: Option<Vec<u32>> = "none",
-            "numbers from 0, in the order of the file or the generator, mesh after mesh";
+            "numbers from 0, in the order of the file or the generator, in the given mesh or mesh after mesh";
         corners as "box": Option<[Vec3; 2]> = "none" "m",
             "two corners such as [[0, 0, 0], [1, 1, 1]]: all vertices in between, at rest, whenever \
              what they are chosen for begins";

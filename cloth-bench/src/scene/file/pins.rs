@@ -1,86 +1,13 @@
 //! `[[pins]]`: held vertices and their ways.
 
 use super::document::Section;
-use super::keys::{self, Selection, Way};
+use super::keys::{self, Way};
 use crate::error::BenchError;
-use crate::names;
-use crate::scene::{Change, ChangeKind, pins};
+use crate::scene::{Change, ChangeKind};
 use cloth_core::cloth::{ClothModel, Elements};
 use cloth_core::energy::SoftPin;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::TriMesh;
 use cloth_core::pin::{PinMotion, Pins};
-use cloth_core::topology::EdgeTable;
-
-/// The vertices that a table holds, in the caller's numbers.
-pub(super) fn chosen(
-    section: &Section<'_>,
-    mesh: &TriMesh,
-    up: Vec3,
-) -> Result<Vec<usize>, BenchError> {
-    let positions = mesh.positions();
-    let own = section.read::<Selection>()?;
-    match (own.select.as_deref(), own.vertices.as_deref(), *own.corners) {
-        (Some(name), None, None) => {
-            let known = ["corners", "highest", "border"];
-            if name == "border" {
-                return border(&own, mesh);
-            }
-            if known.contains(&name) {
-                return pins::chosen(name, positions, up);
-            }
-            Err(own.select.refuse(names::unknown("selection", name, &known)))
-        }
-        (None, Some([]), None) => Err(own.vertices.refuse("names no vertex")),
-        (None, Some(numbers), None) => {
-            let beyond = numbers.iter().find(|&&n| n as usize >= positions.len());
-            match beyond {
-                None => {
-                    let mut chosen: Vec<usize> = numbers.iter().map(|&n| n as usize).collect();
-                    chosen.sort_unstable();
-                    chosen.dedup();
-                    Ok(chosen)
-                }
-                Some(vertex) => {
-                    let last = positions.len() - 1;
-                    let message = format!("there is no vertex {vertex}, only 0 to {last}");
-                    Err(own.vertices.refuse(message))
-                }
-            }
-        }
-        (None, None, Some([a, b])) => {
-            let (low, high) = (a.inf(&b), a.sup(&b));
-            let inside = |x: &Vec3| (0..3).all(|axis| (low[axis]..=high[axis]).contains(&x[axis]));
-            let found: Vec<usize> = (0..positions.len())
-                .filter(|&v| inside(&positions[v]))
-                .collect();
-            if found.is_empty() {
-                return Err(own.corners.refuse("there is no vertex in the box"));
-            }
-            Ok(found)
-        }
-        (None, None, None) => {
-            Err(section.refuse_table("needs one of the keys select, vertices and box"))
-        }
-        _ => Err(section.refuse_table("takes only one of the keys select, vertices and box")),
-    }
-}
-
-/// All vertices on edges of one triangle alone.
-fn border(own: &Selection, mesh: &TriMesh) -> Result<Vec<usize>, BenchError> {
-    let edges = EdgeTable::build(mesh).map_err(|error| own.select.refuse(error))?;
-    let numbered = edges.ends().iter().enumerate();
-    let border = numbered.filter(|(edge, _)| edges.is_boundary(*edge));
-    let mut vertices: Vec<usize> = border
-        .flat_map(|(_, ends)| ends.map(|v| v as usize))
-        .collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    if vertices.is_empty() {
-        return Err(own.select.refuse("a closed mesh has no border"));
-    }
-    Ok(vertices)
-}
 
 /// Vertices that are held for some time.
 pub(super) struct Hold {

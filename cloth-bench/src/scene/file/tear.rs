@@ -74,6 +74,7 @@ pub(super) fn tears(
             continue;
         }
         refuse_motion(section, "for a tear")?;
+        chosen.mesh.refuse_given("for a tear")?;
         chosen.select.refuse_given("for a tear")?;
         chosen.vertices.refuse_given("for a tear")?;
         let (place, key) = match (*chosen.corners, *own.line) {
