@@ -202,13 +202,20 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
             not_negative("the weight of an element", element.weight())?;
         }
         let mut slots = vec![Slot::Weightless; elements.len()];
-        let mut sorted: Vec<(usize, E)> = elements.into_iter().enumerate().collect();
-        sorted.retain(|(_, element)| element.weight() > 0.0);
-        sorted.sort_by_key(|(given, element)| (key(element), *given));
-        for (at, (given, _)) in (0..).zip(&sorted) {
-            slots[*given] = Slot::At(at);
+        let numbered = (0u32..).zip(&elements);
+        let weighted = numbered.filter(|(_, element)| element.weight() > 0.0);
+        let order = sorted(
+            weighted
+                .map(|(given, element)| (key(element), given))
+                .collect(),
+        );
+        for (at, &given) in (0..).zip(&order) {
+            slots[given as usize] = Slot::At(at);
         }
-        let elements: Vec<E> = sorted.into_iter().map(|(_, element)| element).collect();
+        let elements: Vec<E> = order
+            .iter()
+            .map(|&given| elements[given as usize])
+            .collect();
         Ok(Self {
             are_spheres: K == 1 && elements.iter().all(|element| element.sphere().is_some()),
             elements,
@@ -320,6 +327,12 @@ pub(crate) fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
     let vertices = element.vertices();
     let (first, last) = (vertices[0], vertices[N - 1]);
     [first / WINDOW, last.wrapping_sub(first), first % 2, first]
+}
+
+/// The numbers of elements in the order of their keys; not generic, so that it is compiled once.
+fn sorted(mut keyed: Vec<([u32; 4], u32)>) -> Vec<u32> {
+    keyed.sort_unstable();
+    keyed.into_iter().map(|(_, given)| given).collect()
 }
 
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.

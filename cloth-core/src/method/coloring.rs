@@ -28,7 +28,7 @@ mod stages;
 use crate::element::Element;
 use crate::method::parallel::Stencils;
 pub use greedy::{greedy_colors, greedy_vertex_colors};
-use stages::{Place, stages};
+use stages::{Place, stages, visiting_order};
 
 /// A cloth of this many vertices or more is divided into blocks: its positions and masses alone are 16 MB. Measured,
 /// springs: at 512 × 512 vertices colours through the whole cloth are 10 % faster than blocks, at 1000 × 1000 blocks
@@ -74,8 +74,7 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
         let places: Vec<Place> = places
             .map(|(vertices, color)| Place::new(vertices, color, size))
             .collect();
-        let mut input_index: Vec<u32> = (0..elements.len() as u32).collect();
-        input_index.sort_by_key(|&index| places[index as usize]);
+        let input_index = visiting_order(&places);
         let places = input_index.iter().map(|&index| places[index as usize]);
         let stages = stages(&places.collect::<Vec<_>>());
         let in_order = input_index.iter().map(|&index| vertices[index as usize]);

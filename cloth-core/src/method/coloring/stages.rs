@@ -52,6 +52,13 @@ impl Place {
     }
 }
 
+/// The numbers of elements with these places in the order of their visits; not generic, so that it is compiled once.
+pub(super) fn visiting_order(places: &[Place]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..places.len() as u32).collect();
+    order.sort_by_key(|&index| places[index as usize]);
+    order
+}
+
 /// The stages of elements that are visited in places `sorted`: part p of one is elements `bounds[p]..bounds[p + 1]`.
 pub(super) fn stages(sorted: &[Place]) -> Vec<Vec<usize>> {
     let mut stages: Vec<Vec<usize>> = Vec::new();
