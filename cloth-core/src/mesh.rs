@@ -1,4 +1,9 @@
 //! The rest shape of a cloth: rest positions and triangles, checked once, where it is made.
+//!
+//! # Polygons
+//! A face of more than three corners in a file becomes a fan of triangles around its first corner where this sees all
+//! of it, as in a convex polygon. Any other is cut by ears: two successive edges with no other corner in the triangle
+//! that they span, the least pointed first. A polygon that crosses itself is refused.
 
 use crate::error::OutOfRange;
 use crate::math::{Real, Vec3};
@@ -11,6 +16,7 @@ pub mod io;
 mod normals;
 pub mod obj;
 pub mod ply;
+mod polygon;
 mod tet_mesh;
 
 pub use normals::vertex_normals;
@@ -115,12 +121,6 @@ impl TriMesh {
     pub fn area(&self) -> Real {
         self.areas().sum()
     }
-}
-
-/// Cuts a polygon into triangles around its first corner.
-fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
-    let (first, rest) = corners.split_at(corners.len().min(1));
-    rest.windows(2).map(|pair| [first[0], pair[0], pair[1]])
 }
 
 /// Area (m²) of a triangle of `positions` (m).

@@ -16,8 +16,9 @@ use cloth_core::step::BuildError;
 ///
 /// The force is a sum of multiples of `∂C`: no net force on an element, and no net moment, where a rotation leaves C
 /// alone, about the positions that K is taken at. In explicit steps these are `x[0]`. In implicit ones they are
-/// `x_b + τ v_b`, where uniform motion leads, and the velocity is the difference of two positions: a turn by the angle
-/// θ in one step shows as a strain of `θ²/2` in that step, which is damped. That is an error of large steps.
+/// half-way of uniform motion, or at its end where BDF2 and the midpoint rule need that for their order and the step
+/// resolves the motion: a turn that goes on as it was is not damped. What turns otherwise, by the angle θ in one step,
+/// shows as a strain of up to `θ²/2` in that step, which is damped. That is an error of large steps.
 ///
 /// Of a spring it is a dashpot of βk (N s/m): the force `−βk (n·(v₀ − v₁)) n` at x₀, and the opposite at x₁. In terms
 /// of C it is `−β k ∂C Ċ`, as `Ċ = ∂Cᵀ v`: the damping of Baraff and Witkin (1998, section 4.5) with `k_d = βk`.

@@ -472,7 +472,9 @@ impl Implicit {
                 .extend(starts.map(|(x, v)| x + v * tau));
         }
         if let Some(damper) = &mut self.damper {
-            damper.set(&self.energies, start, &self.base, tau);
+            let path = [&self.base[..], &start[..]];
+            let is_second_order = interval.at == TimePoint::Middle || tau < input.dt;
+            damper.set(&self.energies, path, tau, is_second_order);
         }
         for (vertex, start) in start.iter_mut().enumerate() {
             let speed = (*start - self.base[vertex]) / tau;

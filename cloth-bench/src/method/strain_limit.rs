@@ -11,7 +11,7 @@ use cloth_pbd::{StrainLimiter, StretchRange, WithStrainLimit};
 crate::settings! {
     /// Of all methods.
     pub(super) struct StrainLimit {
-        strain_limit: Option<Real> = "none",
+        strain_limit: Option<Real> = "none" in AtLeast(0.0),
             "strain beyond which nothing is stretched after a step (strain limiting), or none";
         strain_limit_of: Limited = "edges",
             "what is limited: edges, triangles (principal stretches, so in all directions alike) or areas (of \

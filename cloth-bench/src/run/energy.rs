@@ -279,7 +279,8 @@ impl EnergyBalance {
             self.entries.excess = self.entries.excess.max(held - given);
         }
         if self.entries.gain.is_none() {
-            let gains = kinetic - given > self.entries.most_given.max(jitter + sums);
+            let most = self.entries.most_given.max(jitter + sums);
+            let gains = kinetic > jitter + sums && kinetic - given > most;
             let now = gains.then_some(EnergyGain {
                 step: self.steps + 1,
                 kinetic,

@@ -94,6 +94,8 @@ pub enum MeshFileProblem {
         /// How many it has.
         found: usize,
     },
+    /// A face of more than three corners crosses itself, and cannot be cut into triangles.
+    CrossingPolygon,
     /// Anything else about an OBJ file.
     Obj(ObjProblem),
     /// Anything else about a PLY file.
@@ -137,6 +139,12 @@ impl fmt::Display for MeshFileProblem {
         match self {
             Self::Unreadable(error) => write!(f, "the file cannot be read: {error}"),
             Self::Unwritable(error) => write!(f, "the file cannot be written: {error}"),
+            Self::CrossingPolygon => {
+                write!(
+                    f,
+                    "the face crosses itself, or lies on a line: triangles are needed in its place"
+                )
+            }
             Self::NotFinite => write!(f, "a coordinate is not a finite number"),
             Self::TooFewCorners { found } => {
                 write!(

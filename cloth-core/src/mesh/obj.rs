@@ -3,8 +3,8 @@
 //! What a cloth needs from an OBJ file is vertices (`v`) and faces (`f`). Other statements
 //! (texture coordinates, normals, groups, materials, lines, curves, …) are skipped. A face may name
 //! its corners as `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1 or, negative, backwards from
-//! the last vertex so far. A polygon becomes a fan around its first corner, which is right for
-//! convex polygons only. A backslash at the end of a line continues it.
+//! the last vertex so far. A polygon becomes a fan around its first corner, or, where that would
+//! leave it, is [cut by ears](super#polygons). A backslash at the end of a line continues it.
 //!
 //! [`parse`] refuses what [`TriMesh::new`] and [`EdgeTable::build`] refuse, and says in which
 //! line it stands: a zero-area or repeated face, a number that is not finite, a vertex without a
@@ -21,7 +21,8 @@ mod statement;
 pub use error::ObjProblem;
 
 use super::file_error::{self, MeshFileError, MeshFileProblem, Place};
-use super::{MeshError, TriMesh, fan};
+use super::polygon::{cut_concave, fan};
+use super::{MeshError, TriMesh};
 use crate::math::{Vec3, is_finite};
 use crate::topology::EdgeTable;
 use statement::{corner, position, statements};
@@ -64,9 +65,13 @@ pub fn parse(text: &str) -> Result<TriMesh, MeshFileError> {
     let source = Source::scan(text)?;
     let Source {
         positions,
-        triangles,
+        mut triangles,
         lines,
     } = source;
+    cut_concave(&positions, &mut triangles, |t| lines.of_triangle[t]).map_err(|triangle| {
+        let line = Place::Line(lines.of_triangle[triangle]);
+        MeshFileError::new(Some(line), MeshFileProblem::CrossingPolygon)
+    })?;
     let mesh = TriMesh::new(positions, triangles).map_err(|error| lines.blame(error))?;
     EdgeTable::build(&mesh).map_err(|error| lines.blame(error))?;
     Ok(mesh)

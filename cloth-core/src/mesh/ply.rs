@@ -3,8 +3,8 @@
 //!
 //! A header names tables, their columns and types; a cloth needs the columns `x`, `y`, `z` of the table `vertex` and
 //! the list `vertex_indices` (or `vertex_index`) of the table `face`, of any type. Other tables and columns (normals,
-//! colours, edges, …) are skipped. A polygon becomes a fan around its first corner, which is right for convex polygons
-//! only.
+//! colours, edges, …) are skipped. A polygon becomes a fan around its first corner, or, where that would leave it,
+//! is [cut by ears](super#polygons).
 //!
 //! [`parse`] refuses what [`TriMesh::new`] and [`EdgeTable::build`] refuse, and says where it stands: in which line of
 //! a text, at which byte of a binary body.
@@ -20,7 +20,8 @@ mod values;
 pub use error::PlyProblem;
 
 use super::file_error::{self, MeshFileError, MeshFileProblem, Place};
-use super::{MeshError, TriMesh, fan};
+use super::polygon::{cut_concave, fan};
+use super::{MeshError, TriMesh};
 use crate::math::Vec3;
 use crate::topology::EdgeTable;
 use header::{Element, Header, Property};
@@ -229,7 +230,13 @@ impl Source {
 
     fn finish(mut self) -> Result<TriMesh, MeshFileError> {
         let positions = std::mem::take(&mut self.positions);
-        let triangles = std::mem::take(&mut self.triangles);
+        let mut triangles = std::mem::take(&mut self.triangles);
+        cut_concave(&positions, &mut triangles, |t| self.face_of_triangle[t]).map_err(
+            |triangle| {
+                let place = self.face_places[self.face_of_triangle[triangle]];
+                MeshFileError::new(Some(place), MeshFileProblem::CrossingPolygon)
+            },
+        )?;
         let mesh = TriMesh::new(positions, triangles).map_err(|error| self.blame(error))?;
         EdgeTable::build(&mesh).map_err(|error| self.blame(error))?;
         Ok(mesh)

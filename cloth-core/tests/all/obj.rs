@@ -3,8 +3,8 @@
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{irregular, sphere};
 use cloth_core::mesh::io::{MeshFileProblem, Place};
-use cloth_core::mesh::obj;
 use cloth_core::mesh::vertex_normals;
+use cloth_core::mesh::{obj, ply};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +46,77 @@ fn every_way_to_write_a_face_reads_the_same() {
     assert_eq!(obj::parse(&faces_first).unwrap(), square);
     assert_eq!(obj::parse(&SQUARE.replace('\n', "\r\n")).unwrap(), square);
     assert_eq!(obj::parse(&format!("\u{feff}{SQUARE}")).unwrap(), square);
+}
+
+/// A polygon of any shape becomes triangles of its own area, in a plane of any direction; what crosses itself does not.
+#[test]
+fn concave_polygons_are_cut_within_their_border() {
+    let shapes: [(&[[f64; 2]], f64); 5] = [
+        (&[[0., 1.], [0., 0.], [1., 0.], [0.2, 0.2]], 0.2),
+        // A comb of three teeth, begun at a corner that sees little.
+        (
+            &[
+                [1., 1.],
+                [1., 3.],
+                [0., 3.],
+                [0., 0.],
+                [5., 0.],
+                [5., 3.],
+                [4., 3.],
+                [4., 1.],
+                [3., 1.],
+                [3., 3.],
+                [2., 3.],
+                [2., 1.],
+            ],
+            11.0,
+        ),
+        // A corner in the middle of an edge.
+        (&[[0., 0.], [1., 0.], [2., 0.], [2., 2.], [0., 2.]], 4.0),
+        // An L, and an arrow head.
+        (
+            &[[1., 1.], [1., 2.], [0., 2.], [0., 0.], [2., 0.], [2., 1.]],
+            3.0,
+        ),
+        (&[[0., 0.], [3., 1.], [0., 2.], [1., 1.]], 2.0),
+    ];
+    let axes = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0]];
+    for (corners, area) in shapes {
+        for shift in 0..corners.len() {
+            let mut text = String::new();
+            for [a, b] in corners {
+                let [x, y, z]: [f64; 3] =
+                    std::array::from_fn(|k| 5.0 + a * axes[0][k] + b * axes[1][k]);
+                text += &format!("v {x} {y} {z}\n");
+            }
+            let numbers = (0..corners.len()).map(|k| (k + shift) % corners.len() + 1);
+            let face: String = numbers.map(|n| format!(" {n}")).collect();
+            let mesh = obj::parse(&format!("{text}f{face}\n")).unwrap();
+            assert_eq!(mesh.triangle_count(), corners.len() - 2);
+            assert!(
+                (mesh.area() / area - 1.0).abs() < 1e-12,
+                "{corners:?}: {} m²",
+                mesh.area()
+            );
+            let vertices = text.replace("v ", "");
+            let header =
+                "property float64 x\nproperty float64 y\nproperty float64 z\nelement face 1\n";
+            let ply = format!(
+                "ply\nformat ascii 1.0\nelement vertex {0}\n{header}property list uchar int vertex_indices\n\
+                 end_header\n{vertices}{0}{1}\n",
+                corners.len(),
+                (0..corners.len())
+                    .map(|k| format!(" {}", (k + shift) % corners.len()))
+                    .collect::<String>()
+            );
+            assert_eq!(ply::parse(ply.as_bytes()).unwrap(), mesh);
+        }
+    }
+    let bow = "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n";
+    assert_eq!(
+        message(bow),
+        "line 5: the face crosses itself, or lies on a line: triangles are needed in its place"
+    );
 }
 
 #[test]
