@@ -21,6 +21,7 @@ use crate::error::BenchError;
 use crate::files;
 use clap::Subcommand;
 use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -97,10 +98,34 @@ fn print(text: &str) -> Result<(), BenchError> {
 }
 
 /// Creates the folders above `path` and writes the file, all of it or nothing.
-fn write_file(path: &std::path::Path, content: &[u8]) -> Result<(), BenchError> {
+fn write_file(path: &Path, content: &[u8]) -> Result<(), BenchError> {
+    in_its_folder(path, |path| files::write(path, &[content]))
+}
+
+/// Refuses files that cannot be written, and two that are one, before a run that ends with them.
+fn check_files<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> Result<(), BenchError> {
+    let mut known: Vec<&PathBuf> = Vec::new();
+    for path in paths {
+        if known.contains(&path) {
+            return Err(BenchError::Usage(format!(
+                "{} is asked for twice, and the later one would replace the other",
+                path.display()
+            )));
+        }
+        known.push(path);
+        in_its_folder(path, files::probe)?;
+    }
+    Ok(())
+}
+
+/// Does something with a file whose folder is there, or made.
+fn in_its_folder(
+    path: &Path,
+    work: impl FnOnce(&Path) -> std::io::Result<()>,
+) -> Result<(), BenchError> {
     let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
-    let written = folder.and_then(|()| files::write(path, &[content]));
-    written.map_err(|error| BenchError::Failed(format!("{}: {error}", path.display())))
+    let done = folder.and_then(|()| work(path));
+    done.map_err(|error| BenchError::Failed(format!("{}: {error}", path.display())))
 }
 
 /// Prints name and value pairs, as a JSON object or as lines.

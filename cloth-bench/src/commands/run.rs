@@ -4,7 +4,7 @@ mod forces;
 mod picture;
 mod pin_loads;
 
-use super::{PATIENCE, print_pairs, while_saying, write_file};
+use super::{PATIENCE, check_files, print_pairs, while_saying, write_file};
 use crate::error::BenchError;
 use crate::export::{Export, Format};
 use crate::memory;
@@ -210,6 +210,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             scene.name
         )));
     }
+    let files = [&arguments.forces, &arguments.pin_loads, &arguments.picture];
+    check_files(files.into_iter().flatten())?;
     if arguments.reference && !scene.is_plain() {
         return Err(BenchError::Usage(
             "--reference compares with a step without contact and air and with pins at rest; this scene has other steps".into(),

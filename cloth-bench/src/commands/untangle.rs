@@ -1,6 +1,6 @@
 //! `cloth-bench untangle MESH`
 
-use super::{print_pairs, write_file};
+use super::{check_files, print_pairs, write_file};
 use crate::error::BenchError;
 use crate::mesh_spec;
 use crate::tangle;
@@ -80,6 +80,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let out = arguments.out.as_deref();
     let out = out.map(|path| Ok::<_, BenchError>((path, Kind::of(path)?)));
     let out = out.transpose()?;
+    check_files(arguments.out.iter())?;
     let thickness = arguments.thickness;
     if !(thickness > 0.0 && thickness.is_finite()) {
         return Err(BenchError::Usage(format!(

@@ -38,7 +38,8 @@ crate::settings! {
     /// Of sweeps.
     pub(super) struct Sweeps {
         strain: Or<Auto, Real> = "auto" in Above(0.0),
-            "largest strain that the sweeps may leave, with substeps=auto; auto: 0.1, or 0.07 where there is something \
+            "largest strain that the sweeps may leave of a swing or an impact, with substeps=auto (no more substeps \
+             than those with which the springs themselves yield as much); auto: 0.1, or 0.07 where there is something \
              to touch";
         sweep: Sweep = "colored", "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi";
         relaxation: Real = 1 in Between(0.0, 2.0), "part of its correction that a constraint makes in a visit";

@@ -45,6 +45,8 @@ crate::settings! {
     }
 }
 
+/// The least thickness of cloth, in mean edges.
+const THINNEST: Real = 1e-6;
 /// The thickness of cloth (m) unless edges are short.
 const USUAL_THICKNESS: Real = 2e-3;
 
@@ -67,6 +69,18 @@ impl Surface {
             Or::Word(Auto::Auto) => USUAL_THICKNESS.min(0.5 * mean_edge(mesh)),
             Or::Value(thickness) => thickness,
         }
+    }
+
+    /// Refuses a thickness that is lost beside the edges: steps would end where rounding does not let anything come
+    /// nearer.
+    pub(super) fn check(&self, mesh: &TriMesh) -> Result<(), BenchError> {
+        let (thickness, least) = (self.thickness_of(mesh), THINNEST * mean_edge(mesh));
+        if thickness < least {
+            return Err(self.thickness.refuse(format!(
+                "the thickness of contact is {thickness:e} m, but on this mesh it has to be at least {least:.1e} m"
+            )));
+        }
+        Ok(())
     }
 
     /// What a user should know of it.
@@ -262,6 +276,7 @@ impl ContactSetup {
         if is_on && (self_collision || !shapes.is_empty() || !animated.is_empty()) {
             notes.extend(surface.note(mesh));
         }
+        surface.check(mesh)?;
         // contact=none switches contact off, whatever else is said of it.
         if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
             let what = "anything to touch (self=yes)";

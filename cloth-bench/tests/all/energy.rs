@@ -489,3 +489,16 @@ fn a_linear_step_that_makes_energy_says_that_shorter_ones_do_not() {
         assert!(gains || excess < 1e-6, "{method}, {steps}: {excess}");
     }
 }
+
+/// Cloth that is held as a whole and turned was given nothing and holds nothing but rounding.
+#[test]
+fn what_is_held_as_a_whole_moves_with_no_energy() {
+    let text = "gravity = [0, 0, 0]\ndt = 0.01\nsteps = 40\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n\
+        [[pins]]\nbox = [[-1, -1, -1], [2, 2, 2]]\nturn = [0, 0, 1]\ncentre = [0.5, 0.5, 0]\nuntil = 0.2\n";
+    let path = written("held-whole", text);
+    for method in ["implicit-euler", "pd", "xpbd"] {
+        let (code, object, said) = run(&format!("{} --method {method}", path.display()));
+        assert_eq!(code, 0, "{method}: {said}");
+        assert!(object["energy_excess"].as_f64().unwrap() < 1e-9, "{method}");
+    }
+}

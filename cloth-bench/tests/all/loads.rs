@@ -211,6 +211,19 @@ radius = 0.1
         said.contains("is more than the mean edge of the cloth, 1.423e-3 m"),
         "{said}"
     );
+    let path = written("thickness", &cloth(0.3));
+    let all = [
+        "run",
+        path.to_str().unwrap(),
+        "--method",
+        "pd",
+        "--set",
+        "thickness=1e-9",
+    ];
+    let output = program(&all);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("it has to be at least 1.4e-8 m"), "{said}");
+    assert_eq!(output.status.code(), Some(2));
     for said in [run(0.03, &["--set", "thickness=1e-3"]), run(0.3, &[])] {
         assert!(!said.contains("thickness"), "{said}");
     }

@@ -34,6 +34,39 @@ fn unknown_names_are_answered_with_the_nearest_known_one() {
     refused(&["locking", "grd:3x3:one-way"], 2, &["`grd`", "`grid`"]);
 }
 
+/// Before the run that they would end, of which nothing would be left.
+#[test]
+fn files_that_cannot_be_written_are_refused_before_the_run() {
+    let run = |more: &[&str], code, words: &[&str]| {
+        let all = [
+            "run",
+            "hang",
+            "--method",
+            "pd",
+            "--n",
+            "5",
+            "--steps",
+            "1000000000",
+        ];
+        refused(&[&all[..], more].concat(), code, words);
+    };
+    let folder = env!("CARGO_TARGET_TMPDIR");
+    let file = format!("{folder}/in-the-way");
+    std::fs::write(&file, "").unwrap();
+    let below = format!("{file}/end.png");
+    run(&["--picture", &below], 1, &[&below]);
+    run(&["--pin-loads", folder], 1, &[folder]);
+    let untangle = ["untangle", "sphere:2", "--thickness", "1e-3", "--out"];
+    let below = format!("{file}/end.obj");
+    refused(&[&untangle[..], &[&below]].concat(), 1, &[&below]);
+    let both = format!("{folder}/both.png");
+    run(
+        &["--picture", &both, "--pin-loads", &both],
+        2,
+        &[&both, "twice"],
+    );
+}
+
 /// Each key does something beside other settings, and nothing beside these.
 #[test]
 fn settings_without_effect_are_refused_by_name() {

@@ -29,6 +29,7 @@ pub(super) fn of_pieces(
         piece.extend(std::iter::repeat_n(number, *count));
         let settings = section.map(|section| section.settings(common.clone()));
         let surface = Surface::read(settings.as_ref().unwrap_or(common))?;
+        surface.check(mesh)?;
         thickness.extend(std::iter::repeat_n(surface.thickness_of(mesh), *count));
         friction.extend(std::iter::repeat_n(*surface.friction, *count));
     }
