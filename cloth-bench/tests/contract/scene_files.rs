@@ -6,6 +6,7 @@ use cloth_bench::scene::file;
 use cloth_bench::settings::Settings;
 use cloth_bench::studies::variants::Variant;
 use cloth_core::math::Real;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Scenes that a method has no elements for.
@@ -50,39 +51,46 @@ fn files() -> Vec<(String, PathBuf)> {
 /// Every file by a method at its default, for its first steps; from nowhere comes at most this share of the energy that
 /// was given.
 fn keeps_what_is_promised(method: &str, most: Real) {
+    let files = files();
+    let by = files.par_iter().map(|file| is_kept(method, most, file));
+    let refused = REFUSED.iter().filter(|(by, _)| *by == method).count();
+    assert_eq!(
+        by.filter(|ran| *ran).count() + refused,
+        files.len(),
+        "{method}"
+    );
+}
+
+/// The same of one file. Returns whether the method takes its scene.
+fn is_kept(method: &str, most: Real, (name, path): &(String, PathBuf)) -> bool {
     let known = Method::find(method).unwrap();
     let settings = Variant::default_of(known).settings;
-    let mut count = 0;
-    for (name, path) in files() {
-        let at = format!("{name}, {method}");
-        let scene = file::build(&path, &Settings::default()).unwrap();
-        let mut solver = match Solver::new(known, &settings, &scene, scene.dt) {
-            Ok(solver) => solver,
-            Err(error) => {
-                assert!(REFUSED.contains(&(method, &name)), "{at}: {error}");
-                continue;
-            }
-        };
-        let mut watch = SeparationWatch::new(&scene).unwrap();
-        let mut state = scene.start.clone();
-        let soon = MET_SOON.iter().find(|(soon, _)| *soon == name);
-        let plan = Plan::new(scene.dt, soon.map_or(STEPS, |(_, steps)| *steps));
-        let ran = run_changing(&scene, &mut solver, &mut state, plan, |moment| {
-            watch.look(moment.scene, moment.state)
-        });
-        let (summary, _) = ran.unwrap_or_else(|error| panic!("{at}: {error}"));
-        let seen = watch.seen();
-        assert_eq!(seen.obstacle_crossed_steps, 0, "{at}");
-        let nearest = seen.min_clearance.unwrap_or(Real::INFINITY);
-        assert!(soon.is_none() || nearest < MET, "{at}: {nearest}");
-        // The flag does not touch itself.
-        assert!(name == "flag" || seen.crossed_steps == 0, "{at}");
-        let share = summary.energy_excess / summary.energy_given;
-        assert!(share <= most, "{at}: {share:e}");
-        count += 1;
-    }
-    let refused = REFUSED.iter().filter(|(by, _)| *by == method).count();
-    assert_eq!(count + refused, files().len(), "{method}");
+    let at = format!("{name}, {method}");
+    let scene = file::build(path, &Settings::default()).unwrap();
+    let mut solver = match Solver::new(known, &settings, &scene, scene.dt) {
+        Ok(solver) => solver,
+        Err(error) => {
+            assert!(REFUSED.contains(&(method, name)), "{at}: {error}");
+            return false;
+        }
+    };
+    let mut watch = SeparationWatch::new(&scene).unwrap();
+    let mut state = scene.start.clone();
+    let soon = MET_SOON.iter().find(|(soon, _)| soon == name);
+    let plan = Plan::new(scene.dt, soon.map_or(STEPS, |(_, steps)| *steps));
+    let ran = run_changing(&scene, &mut solver, &mut state, plan, |moment| {
+        watch.look(moment.scene, moment.state)
+    });
+    let (summary, _) = ran.unwrap_or_else(|error| panic!("{at}: {error}"));
+    let seen = watch.seen();
+    assert_eq!(seen.obstacle_crossed_steps, 0, "{at}");
+    let nearest = seen.min_clearance.unwrap_or(Real::INFINITY);
+    assert!(soon.is_none() || nearest < MET, "{at}: {nearest}");
+    // The flag does not touch itself.
+    assert!(name == "flag" || seen.crossed_steps == 0, "{at}");
+    let share = summary.energy_excess / summary.energy_given;
+    assert!(share <= most, "{at}: {share:e}");
+    true
 }
 
 #[test]
