@@ -75,7 +75,7 @@ pub struct Scene {
     pub order: Option<cloth_core::method::ordering::Order>,
     /// What is seldom meant of what it was built from, a sentence each.
     pub hints: Vec<String>,
-    /// Where its file has each event, and the time (s) of that.
+    /// Where its file has what happens on the way, and the time (s) of that.
     pub event_times: Vec<(String, Real)>,
     /// What its file says of methods, by the names of these.
     pub methods: Vec<(&'static str, Settings)>,

@@ -272,6 +272,8 @@ mod random;
 #[path = "../tests/support/shapes.rs"]
 mod shapes;
 
+pub use cloth_core;
+
 pub use bounds::Bounds;
 pub use broad_phase::{
     BroadPhase, BroadPhaseKind, ClothCandidates, Hierarchy, MortonGrid, SpatialHash,

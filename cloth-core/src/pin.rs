@@ -18,7 +18,7 @@ pub struct PinMotion {
     pub turn: Vec3,
     /// A point on the axis (m).
     pub centre: Vec3,
-    /// How long it takes (s), above 0; rest after it.
+    /// How long it takes (s); rest after it. With 0 all of it is at once.
     pub duration: Real,
 }
 
@@ -32,10 +32,24 @@ impl PinMotion {
     };
 
     /// Where (m) a point is at a time (s) that is at `start` (m) until the time `since` (s).
+    ///
+    /// ```
+    /// use cloth_core::{math::Vec3, pin::PinMotion};
+    /// let motion = PinMotion { shift: Vec3::x(), duration: 2.0, ..PinMotion::NONE };
+    /// let [before, halfway, after] = [0.5, 2.0, 9.0].map(|time| motion.position(Vec3::y(), 1.0, time));
+    /// assert_eq!([before, halfway, after], [0.0, 0.5, 1.0].map(|part| Vec3::y() + Vec3::x() * part));
+    /// let at_once = PinMotion { duration: 0.0, ..motion };
+    /// assert_eq!(at_once.position(Vec3::y(), 1.0, 1.0), Vec3::y() + Vec3::x());
+    /// ```
     #[must_use]
     pub fn position(&self, start: Vec3, since: Real, time: Real) -> Vec3 {
         let from_centre = start - self.centre;
-        let part = ((time - since) / self.duration).clamp(0.0, 1.0);
+        let elapsed = time - since;
+        let part = if elapsed < self.duration {
+            (elapsed / self.duration).max(0.0)
+        } else {
+            1.0
+        };
         let turned = match Unit::try_new_and_get(self.turn, 0.0) {
             Some((axis, angle)) => Rotation3::from_axis_angle(&axis, part * angle) * from_centre,
             None => from_centre,

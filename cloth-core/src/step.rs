@@ -11,7 +11,7 @@ use std::fmt;
 ///
 /// It sets its elements to the time at which it takes their forces, mostly the end of the step
 /// ([`Energies::set_time`](crate::method::family::Energies::set_time)): some have rest data that change with time.
-pub trait Stepper: Send {
+pub trait Stepper: Send + Sync {
     /// Name of the method, as `cloth-bench list` shows it.
     fn name(&self) -> &'static str;
 

@@ -122,7 +122,7 @@ pub struct SingleXpbd {
 }
 
 /// Elements of one kind with their multipliers.
-trait Family: Debug + Send {
+trait Family: Debug + Send + Sync {
     /// Computes the compliances for `update` and an origin (m).
     fn prepare(&mut self, update: XpbdUpdate, origin: &Vec3);
     /// λ = 0.

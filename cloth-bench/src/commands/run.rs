@@ -250,6 +250,15 @@ fn simulate(
     let mut peak_memory = None;
     let (format, every) = (arguments.format, arguments.export_every);
     let export = arguments.export.as_ref();
+    let has_files = |folder: &&PathBuf| {
+        std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some())
+    };
+    if let Some(folder) = export.filter(has_files) {
+        eprintln!(
+            "note: {} has files, of which those that this run does not replace stay",
+            folder.display()
+        );
+    }
     let export = export.map(|folder| Export::begin(scene, folder, format, every));
     let mut export = export.transpose()?;
     let mut table = arguments.forces.is_some().then(ForcesTable::default);

@@ -162,6 +162,21 @@ fn events_after_the_end_and_free_falls_are_told() {
     assert!(!says("in-time", &event(0.01), "it does not happen"));
     let words = "line 6: [[event]]: at 0.99 s, but the run ends with step 1,";
     assert!(says("too-late", &event(0.99), words));
+    let late = |more: &str| format!("{SHEET}[[pins]]\nselect = \"corners\"\n{more}");
+    let words = "at 0.5 s, but the run ends with step 1,";
+    for (name, more) in [
+        ("pins", "from = 0.5\n"),
+        (
+            "force",
+            "[[force]]\nvertices = [0]\nforce = [0, 0, 1]\nfrom = 0.5\n",
+        ),
+        (
+            "released",
+            "[[obstacle]]\nshape = \"sphere\"\nposition = [0, 0, -1]\nradius = 0.1\nmass = 1\nreleased = 0.5\n",
+        ),
+    ] {
+        assert!(says(&format!("late-{name}"), &late(more), words), "{name}");
+    }
     let falls = "it falls freely all along";
     assert!(says("free-fall", SHEET, falls));
     for more in [

@@ -2,6 +2,15 @@
 
 use crate::common::{advance, methods, scene, solver};
 use cloth_bench::run::run;
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::Stepper;
+use cloth_core::method::family::Energies;
+use cloth_massspring::{Bdf2, ExplicitEuler, ImplicitEuler, ImplicitMidpoint, SymplecticEuler};
+use cloth_pbd::{PbdBuilder, PbdSolver, StrainLimiter};
+use cloth_pd::{PdBuilder, PdSolver};
+use cloth_xpbd::direct::{DirectBuilder, DirectXpbd};
+use cloth_xpbd::single::{SingleBuilder, SingleXpbd};
+use cloth_xpbd::{XpbdBuilder, XpbdSolver};
 use rayon::ThreadPoolBuilder;
 
 #[test]
@@ -80,4 +89,22 @@ fn a_run_repeats_to_the_bit() {
         };
         assert!(run() == run(), "{}", method.name);
     }
+}
+
+/// What a program keeps beside others on several threads; that this compiles is the test.
+#[test]
+fn solvers_and_what_makes_them_go_from_thread_to_thread() {
+    fn can<T: Send + Sync>() {}
+    can::<Box<dyn Stepper>>();
+    can::<(ImplicitEuler, ImplicitMidpoint, Bdf2)>();
+    can::<(SymplecticEuler, ExplicitEuler)>();
+    can::<(PbdSolver, PdSolver, XpbdSolver, SingleXpbd, DirectXpbd)>();
+    can::<(
+        PbdBuilder,
+        PdBuilder,
+        XpbdBuilder,
+        SingleBuilder,
+        DirectBuilder,
+    )>();
+    can::<(Energies, PotentialContacts, StrainLimiter)>();
 }

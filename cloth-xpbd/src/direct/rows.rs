@@ -48,7 +48,7 @@ impl Rows {
 }
 
 /// Elements of one type, type-erased.
-pub(super) trait RowFamily: Debug + Send {
+pub(super) trait RowFamily: Debug + Send + Sync {
     /// Appends the structure of its rows.
     fn append(&self, rows: &mut Rows);
     /// Sets the elements to a time (s).

@@ -191,7 +191,13 @@ impl<'a> Sections<'a> {
         scene
             .hints
             .extend(hints::of_rotations(&self.meshes, &self.obstacles)?);
-        scene.event_times = hints::event_times(&self.events)?;
+        scene.event_times = hints::event_times([
+            &self.events,
+            &self.pins,
+            &self.forces,
+            &self.seams,
+            &self.obstacles,
+        ])?;
         scene.hints.extend(hints::of_sizes(&scene));
         if self.falls_freely() && gravity != Vec3::zeros() {
             scene.hints.push(

@@ -1,7 +1,7 @@
 //! What a file says that is seldom meant: most of it are numbers in other units.
 
 use super::document::Section;
-use super::keys::{self, Event, Piece};
+use super::keys::{Event, Force, Hold, Obstacle, Piece, Seam};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::Scene;
@@ -18,7 +18,7 @@ pub(super) fn of_rotations(
         Ok((section, rotate))
     });
     let bodies = obstacles.iter().map(|section| {
-        let rotate = *section.read::<keys::Obstacle>()?.rotate;
+        let rotate = *section.read::<Obstacle>()?.rotate;
         Ok((section, rotate))
     });
     let all: Vec<_> = pieces.chain(bodies).collect::<Result<_, BenchError>>()?;
@@ -35,13 +35,34 @@ pub(super) fn of_rotations(
         .collect())
 }
 
-/// Where the file has each event, and its time (s).
-pub(super) fn event_times(events: &[Section<'_>]) -> Result<Vec<(String, Real)>, BenchError> {
-    let time = |section: &Section<'_>| {
-        let time = section.read::<Event>()?.time(section)?;
-        Ok((section.place(), time))
-    };
-    events.iter().map(time).collect()
+/// What begins at a time: tables, and the time (s) of one.
+type Timed<'a> = (
+    &'a [Section<'a>],
+    fn(&Section<'_>) -> Result<Real, BenchError>,
+);
+
+/// Where the file has what happens on the way, and when (s): events, pins, forces and seams that begin later, and bodies
+/// that are released.
+pub(super) fn event_times(
+    [events, pins, forces, seams, bodies]: [&[Section<'_>]; 5],
+) -> Result<Vec<(String, Real)>, BenchError> {
+    let all: [Timed<'_>; 5] = [
+        (events, |section| section.read::<Event>()?.time(section)),
+        (pins, |section| Ok(*section.read::<Hold>()?.from)),
+        (forces, |section| Ok(*section.read::<Force>()?.from)),
+        (seams, |section| Ok(*section.read::<Seam>()?.from)),
+        (bodies, |section| {
+            Ok(section.read::<Obstacle>()?.released.unwrap_or_default())
+        }),
+    ];
+    let mut times = Vec::new();
+    for (sections, time) in all {
+        for section in sections {
+            let time = time(section)?;
+            times.push((section.place(), time));
+        }
+    }
+    Ok(times)
 }
 
 /// Of a cloth that is hundreds of times as large as all bodies.

@@ -16,7 +16,7 @@ use std::fmt;
 /// A way to solve `A x = b` over the free vertices for a symmetric positive definite [`BlockMatrix`].
 ///
 /// A solver is made for one pattern and one set of free vertices. It allocates then, and not later.
-pub trait LinearSolver: fmt::Debug + Send {
+pub trait LinearSolver: fmt::Debug + Send + Sync {
     /// Its name: `cholesky`, `conjugate-gradients`, `multigrid`, `jacobi`, `chebyshev-jacobi` or `gauss-seidel`.
     fn name(&self) -> &'static str;
 

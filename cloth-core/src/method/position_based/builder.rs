@@ -8,7 +8,7 @@ use crate::step::BuildError;
 use std::fmt;
 
 /// Adds one family once the order of the sweep is known.
-type Plan<U> = Box<dyn FnOnce(&mut Families<U>) -> Result<(), BuildError>>;
+type Plan<U> = Box<dyn FnOnce(&mut Families<U>) -> Result<(), BuildError> + Send + Sync>;
 
 /// Families of constraints to be built once the settings are known. What is wrong with one is said then.
 pub struct FamilyPlans<U: ConstraintUpdate> {
