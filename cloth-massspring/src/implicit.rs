@@ -256,6 +256,16 @@ struct Interval {
     at: TimePoint,
 }
 
+impl Interval {
+    /// That of implicit Euler.
+    fn euler(dt: Real) -> Self {
+        Self {
+            tau: dt,
+            at: TimePoint::End,
+        }
+    }
+}
+
 /// Which point in time a stage solves for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TimePoint {
@@ -299,17 +309,25 @@ impl Implicit {
         state: &mut State,
         input: &mut StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        let interval = Interval {
-            tau: input.dt,
-            at: TimePoint::End,
-        };
-        self.advance(state, input, interval, |_, x, v| [x, v])
+        self.advance(state, input, Interval::euler(input.dt), |_, x, v| [x, v])
     }
 
     /// A step by one stage. `base` gives `x_b` and `v_b` of a vertex from its number, position and velocity.
     fn advance(
         &mut self,
         state: &mut State,
+        input: &mut StepInput<'_>,
+        interval: Interval,
+        base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
+    ) -> Result<StepReport, StepError> {
+        let report = self.solve(state, input, interval, base)?;
+        self.finish(state, input, interval, report)
+    }
+
+    /// Solves a stage; nothing is final before [`finish`](Self::finish).
+    fn solve(
+        &mut self,
+        state: &State,
         input: &mut StepInput<'_>,
         interval: Interval,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
@@ -329,8 +347,8 @@ impl Implicit {
         let from_elsewhere = is_middle && !self.continues(state);
         self.predict(state, input, interval, slowing, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
-        let mut source = input.contacts.take();
-        let contact = source.as_mut().map(|source| source.potential());
+        let source = input.contacts.as_deref_mut();
+        let contact = source.map(|source| source.potential());
         if is_middle && contact.is_some() {
             let (w, s) = (self.particles.inverse_mass(), interval.tau * slowing.sqrt());
             let predicted = &mut self.predicted;
@@ -386,6 +404,19 @@ impl Implicit {
             report = self.minimizer.minimize(&task, observer, contact)?;
             report.unfinished = u32::from(report.outcome == Outcome::BudgetSpent);
         }
+        Ok(report)
+    }
+
+    /// Takes the solution of a stage for the step.
+    fn finish(
+        &mut self,
+        state: &mut State,
+        input: &mut StepInput<'_>,
+        interval: Interval,
+        mut report: StepReport,
+    ) -> Result<StepReport, StepError> {
+        let step = state.steps + 1;
+        let is_middle = interval.at == TimePoint::Middle;
         let asks = input.begin_pin_forces(self.particles.len());
         // A linearised step has moved the cloth by other forces than those where it ends.
         report.tells_pin_forces = asks && self.config.solve != Solve::Linearized;
@@ -414,7 +445,7 @@ impl Implicit {
             let w = self.particles.inverse_mass();
             air.end(&self.predicted, &self.constant_velocity_positions, w);
         }
-        if let Some(contact) = source.map(|source| source.potential()) {
+        if let Some(contact) = input.contacts.take().map(|source| source.potential()) {
             let (x, v) = (&mut self.predicted, &mut self.base);
             if is_middle {
                 let w = self.particles.inverse_mass();
@@ -428,6 +459,16 @@ impl Implicit {
         state.time += input.dt;
         state.steps = step;
         Ok(report)
+    }
+
+    /// Whether contact pushes where the stage was solved.
+    fn is_touching(&mut self, input: &mut StepInput<'_>) -> bool {
+        let contact = input.contacts.as_deref_mut();
+        let (x, scratch) = (
+            &self.minimizer.current.positions,
+            &mut self.minimizer.next.gradient,
+        );
+        contact.is_some_and(|source| source.potential().add_gradient(x, scratch) > 0.0)
     }
 
     /// Fills in the base, the prediction, the damper and the start of the minimisation.

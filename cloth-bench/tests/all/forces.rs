@@ -334,6 +334,31 @@ fn program_writes_the_forces_on_bodies() {
     assert!(said.contains("nothing to touch"), "{said}");
 }
 
+/// A sheet that has fallen flat on a floor and lies there has pushed it as long as gravity has pulled, whatever the
+/// method: the impulses of its forces are `m g t`.
+#[test]
+fn impulses_of_a_fall_are_those_of_gravity() {
+    let text = "dt = 0.01\nsteps = 100\n[[mesh]]\ngenerator = \"grid:11x11:alternating\"\nscale = 0.3\n\
+        translate = [0, 0, 0.2]\n[[obstacle]]\nshape = \"plane\"\n";
+    let path = written("falls-flat", text);
+    let table = path.with_extension("csv");
+    let [scene, table] = [path, table].map(|path| path.to_str().unwrap().to_owned());
+    for method in ["implicit-euler", "bdf2", "implicit-midpoint", "pd"] {
+        let out = program(&["run", &scene, "--method", method, "--forces", &table]);
+        assert_eq!(out.status.code(), Some(0), "{method}");
+        let rows = std::fs::read_to_string(&table).unwrap();
+        let forces = rows.lines().skip(1);
+        let down = forces.map(|row| row.split(',').nth(5).unwrap().parse::<f64>().unwrap());
+        let impulse = -0.01 * down.sum::<f64>();
+        let expected = 0.2 * 0.09 * 9.81;
+        println!("{method}: {:.1e}", impulse / expected - 1.0);
+        assert!(
+            (impulse / expected - 1.0).abs() < 1e-3,
+            "{method}: {impulse} N s, {expected} N s"
+        );
+    }
+}
+
 /// The rows of `--pin-loads` after the last step: by vertex, and their sum.
 fn pin_loads(name: &str, text: &str, method: &str) -> (Vec<(usize, Vec3)>, Vec3) {
     let path = written(name, text);

@@ -53,12 +53,17 @@ impl Damper {
         Self {
             coefficient,
             from: vec![Vec3::zeros(); pattern.row_count()],
-            stiffness: BlockMatrix::zeros(Arc::clone(pattern)),
+            stiffness: zeros(&assembly),
             at_end: None,
             half_way: Vec::with_capacity(pattern.row_count()),
             assembly,
             scale: 0.0,
         }
+    }
+
+    /// Takes the memory for stages of second order, where the first step is none.
+    pub(super) fn expect_second_order(&mut self) {
+        self.at_end = Some(zeros(&self.assembly));
     }
 
     /// β/τ (dimensionless): what K is multiplied by in the Hessian.
@@ -87,8 +92,7 @@ impl Damper {
         };
         fill(&self.half_way, &mut self.stiffness);
         if is_second_order {
-            let zeros = || BlockMatrix::zeros(Arc::clone(assembly.pattern()));
-            let at_end = self.at_end.get_or_insert_with(zeros);
+            let at_end = self.at_end.get_or_insert_with(|| zeros(assembly));
             fill(to, at_end);
             if is_near(&self.stiffness, at_end) {
                 std::mem::swap(&mut self.stiffness, at_end);
@@ -140,6 +144,11 @@ impl Damper {
             }
         }
     }
+}
+
+/// A matrix of the pattern, without anything in it.
+fn zeros(assembly: &Assembly) -> BlockMatrix {
+    BlockMatrix::zeros(Arc::clone(assembly.pattern()))
 }
 
 /// Whether the diagonal blocks of the second of two matrices differ from those of the first by no more than
