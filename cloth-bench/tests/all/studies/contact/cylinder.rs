@@ -59,8 +59,9 @@ fn pressed_more(name: &str, height_over_radius: f64) -> f64 {
     measured.0 / expected.0 - 1.0
 }
 
-/// Methods that minimise end a step at a tolerance; the others take as much momentum as gravity gives. The first bound
-/// is that of the floor, the second that of the gaps between sheets, which still swing a little.
+/// Methods that minimise end a step at a tolerance, at which the force of a single step is off by up to a hundredth and
+/// the mean of sixty by what is left of that; the others take as much momentum as gravity gives. The first bound is that
+/// of the floor, the second that of the gaps between sheets, which still swing a little.
 #[test]
 fn floors_and_gaps_bear_the_weight_of_what_lies_on_them() {
     for (name, of_floor, of_gaps) in [
@@ -68,7 +69,7 @@ fn floors_and_gaps_bear_the_weight_of_what_lies_on_them() {
         ("implicit-euler", 3e-5, 5e-4),
         ("linear-implicit", 2e-3, 2e-3),
         ("implicit-midpoint", 2e-4, 9e-4),
-        ("bdf2", 2e-4, 2e-4),
+        ("bdf2", 5.2e-4, 2e-4),
         ("pbd", 1e-8, 1e-4),
         ("xpbd", 1e-12, 1e-3),
         ("pd", 1e-5, 6e-4),

@@ -15,7 +15,7 @@ fn bounds(name: &str) -> [f64; 4] {
         "implicit-euler" => [1.2e-5, 1.9e-5, 2.2e-7, 2e-7],
         "linear-implicit" => [1.2e-5, 5e-6, 1.6e-9, 1.1e-7],
         "implicit-midpoint" => [8e-5, 1.1e-2, 1.8e-7, 1.2e-7],
-        "bdf2" => [1.2e-5, 6e-6, 7e-8, 1.4e-7],
+        "bdf2" => [1.2e-5, 6e-6, 7e-8, 1.6e-7],
         "pbd" => [0.0, 1e-13, 1e-16, 1e-15],
         "xpbd" | "xpbd-direct" => [0.0, 3e-12, 2.5e-10, 2.1e-5],
         "pd" => [1.2e-5, 4e-6, 3e-9, 3e-9],
