@@ -196,7 +196,7 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
     /// Leaves out the elements that have no weight, and sorts the others for the sums. Of an element vertices and
     /// weight are checked, and nothing else: not the sign of a rest length, for instance.
-    pub(crate) fn new(elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
+    pub(crate) fn new(mut elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
         check_vertices(&elements, particles.len())?;
         for element in &elements {
             not_negative("the weight of an element", element.weight())?;
@@ -212,7 +212,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         for (at, &given) in (0..).zip(&order) {
             slots[given as usize] = Slot::At(at);
         }
-        let elements: Vec<E> = order
+        elements = order
             .iter()
             .map(|&given| elements[given as usize])
             .collect();

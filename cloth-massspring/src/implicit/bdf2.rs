@@ -144,8 +144,8 @@ impl Bdf2 {
         squares.sum()
     }
 
-    /// Whether velocities (m/s) jump in the step to them that goes on from the memory, beside those before it and a step
-    /// of [`fall`](Self::fall).
+    /// Whether velocities (m/s) jump in the step to them that goes on from the memory, beside those before it and a
+    /// step of [`fall`](Self::fall).
     fn jumps(&self, velocity: impl Fn(usize) -> Vec3, fall: Real) -> bool {
         let particles = &self.implicit.particles;
         let ([_, older], [_, old]) = (&self.before, &self.after);

@@ -120,7 +120,8 @@ fn nothing_is_allocated_after_the_first_step() {
 }
 
 /// A vertex in a plane, held by N hard struts that turn by π/N: one sweep the same way round multiplies its
-/// displacement by `μ = −cosᴺ(π/N)`, so that a substep multiplies the motion by the root z of `z² = μ (2z − 1)` that is larger.
+/// displacement by `μ = −cosᴺ(π/N)`, so that a substep multiplies the motion by the larger root z of
+/// `z² = μ (2z − 1)`.
 #[test]
 fn one_sweep_around_a_star_of_struts_gains_energy_from_five_on() {
     const AWAY: Real = 1e-6;

@@ -41,8 +41,8 @@ type Timed<'a> = (
     fn(&Section<'_>) -> Result<Real, BenchError>,
 );
 
-/// Where the file has what happens on the way, and when (s): events, pins, forces and seams that begin later, and bodies
-/// that are released.
+/// Where the file has what happens on the way, and when (s): events, pins, forces and seams that begin later, and
+/// bodies that are released.
 pub(super) fn event_times(
     [events, pins, forces, seams, bodies]: [&[Section<'_>]; 5],
 ) -> Result<Vec<(String, Real)>, BenchError> {

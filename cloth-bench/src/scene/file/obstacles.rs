@@ -67,7 +67,7 @@ fn animated(
     }
     let name = needed(&own.folder)?;
     let wrong = |error: &dyn std::fmt::Display| own.folder.refuse(error);
-    let unreadable = |error| wrong(&format!("folder `{}`: {error}", name));
+    let unreadable = |error| wrong(&format!("folder `{name}`: {error}"));
     let entries = std::fs::read_dir(folder.join(name)).map_err(unreadable)?;
     let mut files: Vec<PathBuf> = Vec::new();
     for entry in entries {

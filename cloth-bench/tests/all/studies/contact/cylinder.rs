@@ -60,8 +60,8 @@ fn pressed_more(name: &str, height_over_radius: f64) -> f64 {
 }
 
 /// Methods that minimise end a step at a tolerance, at which the force of a single step is off by up to a hundredth and
-/// the mean of sixty by what is left of that; the others take as much momentum as gravity gives. The first bound is that
-/// of the floor, the second that of the gaps between sheets, which still swing a little.
+/// the mean of sixty by what is left of that; the others take as much momentum as gravity gives. The first bound is
+/// that of the floor, the second that of the gaps between sheets, which still swing a little.
 #[test]
 fn floors_and_gaps_bear_the_weight_of_what_lies_on_them() {
     for (name, of_floor, of_gaps) in [
