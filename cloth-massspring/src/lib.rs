@@ -78,8 +78,8 @@
 //! for the duration of a step:
 //! - Drag α ([`Damping`]) is linear in `v = (x − x_b)/τ`, so it changes x̂ and s, and nothing else. Friction has the
 //!   normal force of the start of the step.
-//! - Damping that grows with the stiffness adds `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ` held at
-//!   `x_b + τ v_b`, where uniform motion leads (`implicit/damper.rs`).
+//! - Damping that grows with the stiffness adds `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ` held half-way
+//!   between x_b and `x_b + τ v_b`, where uniform motion leads (`implicit/damper.rs`).
 //! - Wind and the resistance of the air ([`StepInput::air`], apart from α; [`cloth_core::air`] has the force) are
 //!   linearised at the velocity v₀ before the step: `F − D (v − v₀)` at a vertex, D (3 × 3, kg/s; elsewhere D is the
 //!   rigidity) positive semi-definite. F stands in x̂, and `(x − a)ᵀ D (x − a)/(2τ)` with `a = x_b + τ v₀` is added

@@ -166,6 +166,10 @@ pub struct XpbdConfig {
     /// To give a mode of frequency ω (1/s) the damping ratio ζ take `β = 2ζ/ω`; faster ones get more, in proportion to
     /// ω. A damped row has `α̃ = 1/(k h (h + β))`, so sweeps converge as for springs of `η = 2 k h (h + β) w`: with β
     /// well above h a row that was soft for the step is a stiff one, and takes more sweeps.
+    ///
+    /// A damped row is led to `β/(h + β)` of its C⁰ and not to zero. So strain that the sweeps leave does not end with
+    /// the substep: what each leaves as e adds up to `e (1 + β/h)`. With β far above h sweep more often, or take the
+    /// [direct solver](crate::direct), which leaves nothing.
     pub damping: Real,
     /// With `Some(τ)` (dimensionless, above 0) the gains of energy are summed over the steps and losses taken off, but
     /// not below zero. A step that adds to that sum and lifts it above τ times the scale of energy is repeated with
