@@ -15,6 +15,10 @@ const HEAVY: Real = 20.0;
 /// Steps of 1/60 s that a sheet slides, and within which it settles.
 const SLIDE: u32 = 30;
 const SETTLE: u32 = 40;
+/// What still swings by then faster (m/s) than this is brought to rest, which is below that, if so many steps more do it.
+const SWINGS: Real = 1e-4;
+const RESTS: Real = 1e-6;
+const CALM: u32 = 400;
 
 /// Who is asked.
 pub fn methods() -> Vec<&'static str> {
@@ -180,7 +184,15 @@ fn settle(name: &str, mesh: &str, density: Real, rate: u32) -> Result<[Measured;
     let settings = method.by_default(Settings::default());
     let start = scene.start.positions.iter().map(|x| x.z).sum::<Real>();
     let (dt, steps) = (1.0 / Real::from(rate), SETTLE * rate / 60);
-    let (summary, end) = run::simulate(&scene, method, &settings, dt, steps)?;
+    let (summary, mut end) = run::simulate(&scene, method, &settings, dt, steps)?;
+    if end.velocities.iter().any(|v| v.amax() > SWINGS) {
+        let mut stepper = method.build(&scene, &settings, dt)?;
+        let mut rested = end.clone();
+        let steps = run::to_rest(&scene, stepper.as_mut(), &mut rested, dt, CALM, RESTS)?;
+        if steps.is_some() {
+            end = rested;
+        }
+    }
     let count = end.positions.len() as Real;
     let sunk = (start - end.positions.iter().map(|x| x.z).sum::<Real>()) / count;
     Ok([

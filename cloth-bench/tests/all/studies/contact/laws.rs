@@ -8,7 +8,7 @@ use cloth_bench::studies::contact::laws::{
 /// it slides; and at rest, light or with 20 kg/m², and with 80 kg/m².
 ///
 /// Methods that minimise end each step at a tolerance of their default. Friction of an energy holds by a spring, which
-/// is stretched by 12 µm. Heavy cloth in the many substeps of XPBD still swings about its gap.
+/// is stretched by 12 µm. Heavy cloth in the many substeps of XPBD swings about its gap for long, and is brought to rest.
 fn bounds(name: &str) -> [f64; 4] {
     match name {
         "symplectic-euler" => [0.0, 1.2e-10, 1.2e-10, 1.3e-9],
@@ -17,7 +17,7 @@ fn bounds(name: &str) -> [f64; 4] {
         "implicit-midpoint" => [8e-5, 1.1e-2, 1.8e-7, 1.2e-7],
         "bdf2" => [1.2e-5, 6e-6, 7e-8, 1.6e-7],
         "pbd" => [0.0, 1e-13, 1e-16, 1e-15],
-        "xpbd" | "xpbd-direct" => [0.0, 3e-12, 2.5e-10, 2.1e-5],
+        "xpbd" | "xpbd-direct" => [0.0, 3e-12, 2.5e-10, 1.4e-8],
         "pd" => [1.2e-5, 4e-6, 3e-9, 3e-9],
         other => panic!("no bounds for {other}"),
     }
