@@ -35,8 +35,9 @@ law! {
     "gap d (m) at which a sheet rests on a floor: −φ′(d) = ρ g, with the potential φ of contact, κ = 1e6 Pa/m, h = 2 mm";
     barrier_gap(BarrierGapSettings {
         method: String = "xpbd", "any method";
-        density: Real = 20 "kg/m²" in Above(0.0), "areal density ρ; from 102 on the gap is below h/2, in the barrier, and from 1019 on below \
-            h/20, where constraints (of xpbd, pbd and explicit methods) push no more";
+        density: Real = 20 "kg/m²" in Above(0.0),
+            "areal density ρ; from 102 on the gap is below h/2, in the barrier, and from 1019 on below h/20, where \
+             constraints (of xpbd, pbd and explicit methods) push no more";
     })
 }
 

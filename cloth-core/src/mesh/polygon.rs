@@ -72,17 +72,19 @@ fn recut(positions: &[Vec3], fan: &mut [[u32; 3]]) -> Option<()> {
     for triangle in fan {
         let count = corners.len();
         let around = |k: usize| [k + count - 1, k, k + 1].map(|k| corners[k % count]);
-        let ear = |k: &usize| {
+        let is_ear = |(k, _): &(usize, Real)| {
             let [before, at, after] = around(*k);
             let holds = |v: &&u32| {
                 let inside = [[before, at, **v], [at, after, **v], [after, before, **v]];
                 ![before, at, after].contains(*v)
                     && inside.into_iter().map(side).all(|s| s >= -FLAT)
             };
-            side([before, at, after]) > FLAT && !corners.iter().any(|v| holds(&v))
+            !corners.iter().any(|v| holds(&v))
         };
-        let ears = (0..count).filter(ear);
-        let tip = ears.max_by(|&a, &b| side(around(a)).total_cmp(&side(around(b))))?;
+        let sides = (0..count).map(|k| (k, side(around(k))));
+        let mut tips: Vec<(usize, Real)> = sides.filter(|(_, side)| *side > FLAT).collect();
+        tips.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
+        let (tip, _) = tips.into_iter().find(is_ear)?;
         *triangle = around(tip);
         corners.remove(tip);
     }

@@ -200,15 +200,14 @@ impl Bdf2 {
 }
 
 /// The report of a step, with the work of an attempt that was given up.
-fn with_attempt(report: StepReport, tried: &StepReport) -> StepReport {
+fn with_attempt(report: StepReport, tried: StepReport) -> StepReport {
     StepReport {
-        iterations: report.iterations + tried.iterations,
-        factorizations: report.factorizations + tried.factorizations,
-        linear_solves: report.linear_solves + tried.linear_solves,
-        linear_iterations: report.linear_iterations + tried.linear_iterations,
-        backtracks: report.backtracks + tried.backtracks,
-        newton_fallbacks: report.newton_fallbacks + tried.newton_fallbacks,
-        ..report
+        outcome: report.outcome,
+        unfinished: report.unfinished,
+        pin_work: report.pin_work,
+        tells_pin_forces: report.tells_pin_forces,
+        load_work: report.load_work,
+        ..tried.and(report)
     }
 }
 
@@ -253,7 +252,7 @@ impl Stepper for Bdf2 {
             if has_jumped && self.implicit.is_touching(&mut input) {
                 self.dt = None;
                 let report = self.implicit.advance_euler(state, &mut input)?;
-                with_attempt(report, &tried)
+                with_attempt(report, tried)
             } else {
                 let mut report = self.implicit.finish(state, &mut input, interval, tried)?;
                 // By the force at the end it would be of first order only.

@@ -59,7 +59,9 @@ pub(super) fn event_times(
     for (sections, time) in all {
         for section in sections {
             let time = time(section)?;
-            times.push((section.place(), time));
+            if time > 0.0 {
+                times.push((section.place(), time));
+            }
         }
     }
     Ok(times)

@@ -8,7 +8,8 @@ use cloth_bench::studies::contact::laws::{
 /// it slides; and at rest, light or with 20 kg/m², and with 80 kg/m².
 ///
 /// Methods that minimise end each step at a tolerance of their default. Friction of an energy holds by a spring, which
-/// is stretched by 12 µm. Heavy cloth in the many substeps of XPBD swings about its gap for long, and is brought to rest.
+/// is stretched by 12 µm. Heavy cloth in the many substeps of XPBD swings about its gap for long, and is brought to
+/// rest.
 fn bounds(name: &str) -> [f64; 4] {
     match name {
         "symplectic-euler" => [0.0, 1.2e-10, 1.2e-10, 1.3e-9],
