@@ -15,8 +15,8 @@ const HEAVY: Real = 20.0;
 /// Steps of 1/60 s that a sheet slides, and within which it settles.
 const SLIDE: u32 = 30;
 const SETTLE: u32 = 40;
-/// What still swings by then faster (m/s) than the first is brought to rest, which is below the second, if so many steps
-/// more do it.
+/// What still swings by then faster (m/s) than the first is brought to rest, which is below the second, if so many
+/// steps more do it.
 const SWINGS: Real = 1e-4;
 const RESTS: Real = 1e-6;
 const CALM: u32 = 400;
