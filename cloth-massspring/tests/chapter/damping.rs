@@ -181,7 +181,7 @@ fn stiffness_damping_leaves_rigid_motion_alone() {
 }
 
 /// A sheet that falls from two corners and crumples holds no more than gravity has given it, however its strain is
-/// damped; with K of where uniform motion would end there were up to 37 J of half a joule.
+/// damped; K of where uniform motion would end gives it energy ([`Damping`]).
 #[test]
 fn damped_cloth_that_crumples_gets_no_energy() {
     let (mesh, model) = hang(17);
