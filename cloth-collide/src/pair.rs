@@ -15,6 +15,7 @@ pub struct Pair {
 
 impl Pair {
     /// How far (m) the plane across `normal` has the two apart at least, at positions `x` (m) of all vertices.
+    #[inline(always)]
     pub(crate) fn gap_along(self, normal: &Vec3, x: &[Vec3]) -> Real {
         gap_along(self.kind, normal, &gather(x, self.vertices))
     }
@@ -29,7 +30,8 @@ pub(crate) fn ends(vertices: [u32; 4], weights: [Real; 4]) -> impl Iterator<Item
 /// Σ c_k x_k (m), with positions `x` (m) of all vertices.
 #[inline]
 pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Vec3 {
-    ends(vertices, weights).map(|(v, c)| x[v] * c).sum()
+    let [a, b, c, d] = gather(x, vertices);
+    a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
 }
 
 /// The weights c_k of four vertices at `x` (m), and r = Σ c_k x_k (m), from the second nearest point to the first.
@@ -236,12 +238,14 @@ impl Query {
 
 /// How far (m) the plane across `normal` has the two primitives apart at least, at positions `x` (m), rounding taken
 /// off.
+#[inline(always)]
 fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
     let displacements = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
     let [a, b, c] = displacements.map(|displacement| normal.dot(&displacement));
-    let size = displacements.iter().fold(0.0, |size: Real, displacement| {
-        size.max(displacement.amax())
-    });
+    let mut size: Real = 0.0;
+    for d in displacements {
+        size = size.max(d.x.abs()).max(d.y.abs()).max(d.z.abs());
+    }
     let gap = match kind {
         QueryKind::VertexTriangle => -a.max(b).max(c),
         QueryKind::EdgeEdge => a.min(0.0) - b.max(c),

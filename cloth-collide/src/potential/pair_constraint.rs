@@ -6,7 +6,7 @@ use super::patches::NearPair;
 use super::tangent::{ConstraintState, Tangent};
 use crate::ccd::Query;
 use crate::obstacle::Distance;
-use crate::pair::{Gap, Pair, ends, weighted};
+use crate::pair::{Gap, Pair, weighted};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -78,17 +78,22 @@ impl PairConstraint {
             approach: 0.0,
         });
         let contact = &mut constraints[index];
-        let apart = found.range + DETECTION_MARGIN * near.law.range();
-        if last.is_some() {
+        let known = last.filter(|last| {
+            last.role == Role::Pushes && travel - found.known_at <= PERSISTENT * near.law.range()
+        });
+        if let (Some(last), None) = (last, known) {
+            let margin = if last.role == Role::Pushes {
+                DETECTION_MARGIN * near.law.range()
+            } else {
+                0.0
+            };
+            let apart = found.range + margin;
             let now = contact.pair.gap_along(&contact.normal, step.from);
             if now > apart && contact.pair.gap_along(&contact.normal, to) > apart {
                 found.known_at = Real::NEG_INFINITY;
                 return now;
             }
         }
-        let known = last.filter(|last| {
-            last.role == Role::Pushes && travel - found.known_at <= PERSISTENT * near.law.range()
-        });
         contact.prepare(near, step, to, known);
         if known.is_none() {
             found.known_at = match contact.role {
@@ -124,11 +129,16 @@ impl PairConstraint {
                     (gap.normal, gap.weights, gap.distance);
             }
         }
+        let reach = self.thickness + DETECTION_MARGIN * near.law.range();
+        if known.is_none() && self.distance > reach && self.pair.gap_along(&self.normal, to) > reach
+        {
+            self.role = Role::Separated;
+            return;
+        }
         self.approach = self.distance - self.normal.dot(&self.point(to));
         let w = vertices.map(|v| step.inverse_mass[v as usize]);
         let squares = self.weights.iter().zip(w);
         self.inverse_effective_mass = squares.map(|(weight, w)| weight * weight * w).sum();
-        let reach = self.thickness + DETECTION_MARGIN * near.law.range();
         let comes = self.distance - self.approach.max(0.0) < reach;
         let is_at_boundary = self.weights.contains(&0.0);
         let faces = self.distance < self.thickness || !is_at_boundary;
@@ -155,6 +165,7 @@ impl PairConstraint {
         KEPT * self.distance.min(self.thickness)
     }
 
+    #[inline(always)]
     pub(super) fn point(&self, x: &[Vec3]) -> Vec3 {
         weighted(self.pair.vertices, self.weights, x)
     }
@@ -169,8 +180,9 @@ impl PairConstraint {
         let point = self.point(x);
         let at = Distance::exact(self.normal.dot(&point), self.normal);
         if let Some(push) = self.state.project(&at, point, self.inverse_effective_mass) {
-            for (v, weight) in ends(self.pair.vertices, self.weights) {
-                x[v] += push * (weight * w[v]);
+            for k in 0..4 {
+                let v = self.pair.vertices[k] as usize;
+                x[v] += push * (self.weights[k] * w[v]);
             }
         }
     }
@@ -195,11 +207,13 @@ impl PairConstraint {
             }
             self.prepare(near, step, to, None);
         }
+        let kept = self.kept();
+        let is_apart = |x| self.pair.gap_along(&self.normal, x) - kept > 0.0;
+        if is_apart(to) && is_apart(step.from) {
+            return;
+        }
         let path = Query::of(self.pair, step.from, to);
-        let is_safe = path.is_apart_along(&self.normal, self.kept())
-            || path.is_shift(self.distance)
-            || path.time_at(self.kept()).is_none();
-        self.is_violated = !is_safe;
+        self.is_violated = !path.is_shift(self.distance) && path.time_at(kept).is_some();
     }
 
     /// Energy A ψ(d) (J) at `x` (m), with the true distance d there.
