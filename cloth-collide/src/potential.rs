@@ -299,7 +299,7 @@
 //! | which pairs can be near on a path | `near_pairs`, `culled` |
 //! | surfaces of bodies, with vertices that are numbered after those of the cloth | `surfaces` |
 //! | P ← P + m g Δt + ∫f dt of bodies that the cloth pushes | `free` |
-//! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, where such a body meets what does not give way | `stops` |
+//! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, friction ≤ μ λ, where such a body meets what does not give way | `stops` |
 //! | C = n·Σ c_k x_k − d₀, α = 1/(A ψ″), λ ≥ 0 | `pair_constraint`, `constraints`, `bodies`, `tangent` |
 //! | what can touch in a substep or on a path | `patches`; whether anything can, `culled_substeps` |
 //! | the fraction of its path on which a pair is safe | `safe_fraction_of_pair`, in `filter` |
@@ -337,7 +337,8 @@
 //! A body with a mass and an inertia ([`PotentialBuilder::free`]) moves on in each (sub)step as its momentum says, and
 //! takes up the impulses of contact at the end: momentum is kept, except where the last resort moves the cloth without
 //! an impulse on the body. Prescribed vertices and other bodies do not give way, so they stop it before the step,
-//! inelastically (`stops`): at h/2 from prescribed cloth, at h from bodies. Where cloth between it and something else
+//! inelastically and with friction (`stops`): at h/2 from prescribed cloth, with the coefficient of cloth on the body,
+//! and at h from bodies, with the geometric mean of both coefficients. Where cloth between it and something else
 //! has no safe path even so, the body halts for the step, and loses its momentum. Steps have to resolve the frequency
 //! of the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency). Between
 //! steps [`PotentialContacts::hold_body`] stops such a body or releases it, from rest, and

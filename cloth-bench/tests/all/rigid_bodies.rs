@@ -386,3 +386,77 @@ fn box_beside_a_held_border_stays_on_the_cloth() {
         assert!((1.2..1.7).contains(&fastest), "{name}: {fastest} m/s");
     }
 }
+
+/// A ball slides onto a floor far from any cloth. Without friction it goes on and does not turn. With μ it slows down by
+/// μ g until it rolls: a full sphere then has 5/7 of its speed, and keeps that.
+#[test]
+fn ball_on_a_floor_slides_without_friction_and_rolls_with_it() {
+    for (friction, rolls) in [(0.0, 1.0), (0.3, 5.0 / 7.0)] {
+        let text = format!(
+            "[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [5, 5, 1]\n[[pins]]\nselect = \"border\"\n\
+             [contact]\nfriction = {friction:?}\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\n\
+             position = [0, 0, 0.1021]\nmass = 0.5\nvelocity = [1, 0, 0]\n[[obstacle]]\nshape = \"plane\"\n"
+        );
+        let scene = scene(&format!("rolls{friction}"), &text);
+        for method in ["implicit-euler", "xpbd"] {
+            let mut slowest = f64::INFINITY;
+            let summary = watch(&scene, method, &[], 60, |moment| {
+                let ball = body(moment);
+                let (v, w) = (ball.velocity, ball.angular_velocity);
+                slowest = slowest.min(v.x);
+                let time = moment.state.time;
+                let slides = (1.0 - friction * 9.81 * time).max(rolls);
+                // The impulses of the floor come some steps apart.
+                let bound = if time < 0.15 { 0.02 } else { 1e-3 };
+                assert!(
+                    (v.x - slides).abs() < bound,
+                    "{method} {friction}: {} {slides}",
+                    v.x
+                );
+                if friction == 0.0 {
+                    assert!(w.norm() < 1e-9, "{method}: {w}");
+                } else if time > 0.15 {
+                    assert!((w.y - 10.0 * rolls).abs() < 1e-2, "{method}: {w}");
+                }
+            });
+            assert!(slowest > rolls - 1e-3, "{method} {friction}: {slowest}");
+            assert_eq!(summary.energy_excess, 0.0, "{method} {friction}");
+        }
+    }
+}
+
+/// Two balls meet off their line of centres, and part along the normal there: nothing turns, for it is without friction.
+#[test]
+fn balls_that_meet_without_friction_keep_their_momentum_and_do_not_turn() {
+    let text = "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [5, 5, 1]\n[[pins]]\n\
+                select = \"border\"\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nmass = 0.5\nvelocity = [1, 0, 0]\n\
+                [[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nposition = [0.4, 0, 0.1]\nmass = 0.25\n[contact]\nfriction = 0\n";
+    let scene = scene("balls", text);
+    for method in ["implicit-euler", "xpbd"] {
+        let mut ends = Vec::new();
+        watch(&scene, method, &[], 60, |moment| {
+            let touch = moment.scene.touch.as_ref().unwrap();
+            ends = touch.obstacles().map(|body| *body.motion()).collect();
+        });
+        let momentum = ends[0].velocity * 0.5 + ends[1].velocity * 0.25;
+        assert!(
+            (momentum - Vec3::x() * 0.5).norm() < 1e-12,
+            "{method}: {momentum}"
+        );
+        // Their centres are 2 R and the thickness apart then, less the path of a part of the step, which ends there:
+        // sin α = 0.1/0.202 with the line of flight.
+        let sine: f64 = 0.1 / 0.202;
+        let normal = ends[1].velocity.normalize();
+        assert!(
+            (normal.z - sine).abs() < 0.03 && normal.x > 0.0,
+            "{method}: {normal}"
+        );
+        for end in &ends {
+            assert!(
+                end.angular_velocity.norm() < 3e-3,
+                "{method}: {}",
+                end.angular_velocity
+            );
+        }
+    }
+}

@@ -8,17 +8,20 @@
 //!
 //! n·(K λ n) = (min(d, φ₀) − φ)/τ, λ ≥ 0, K = 1/m − \[r\]ₓ J⁻¹ \[r\]ₓ
 //!
-//! at the time τ at which that is first seen, all of them together by projected Gauss–Seidel sweeps, and again until
-//! nothing is seen: a perfectly inelastic impact without friction. Below 0.98 d the tolerance is only 10⁻⁶ d, since
-//! each step measures from its own φ₀, and the losses of many steps add up. Each impulse is a projection, in the norm
-//! of the kinetic energy, onto the motions that keep the distance. Rest is one of them where the obstacle is at rest,
-//! so the body gains no energy from it. Source: Guendelman et al. 2003 (see the [chapter](super#references)).
+//! at the time τ at which that is first seen, r being the arm from the centre there, all of them together by projected
+//! Gauss–Seidel sweeps, and again until nothing is seen: a perfectly inelastic impact. Friction is an impulse across n
+//! that takes the velocity away with which the two slip, and is no more than μ λ. Below 0.98 d the tolerance is only
+//! 10⁻⁶ d, since each step measures from its own φ₀, and the losses of many steps add up. Each impulse is a projection,
+//! in the norm of the kinetic energy, onto the motions that keep the distance, or towards those that do not slip. Rest
+//! is one of both where the obstacle is at rest, so the body gains no energy from it. Source: Guendelman et al. 2003
+//! (see the [chapter](super#references)).
 
 use super::free::{FreeBodies, FreeBody};
 use super::near::Near;
 use super::source::Contacts;
+use super::tangent::{across, clamp_to_friction_cone};
 use crate::closest::point_triangle;
-use crate::obstacle::Obstacle;
+use crate::obstacle::{Distance, Obstacle};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -36,6 +39,11 @@ const SWEEPS: u32 = 20;
 /// most moments.
 const SAMPLE_SPACING: Real = 0.25;
 const MOST_SAMPLES: Real = 64.0;
+/// How far before a body points are whose feet are foremost (in radii of the body), steps there, and how near (in radii)
+/// two such points are the same.
+const FAR: [Real; 2] = [10.0, 1.0];
+const SUPPORTS: u32 = 4;
+const SAME: Real = 1e-3;
 /// Parts of a triangle that are asked for the distance of their middles, at most, and steps down from the best.
 const POINTS: usize = 32;
 const DESCENTS: u32 = 24;
@@ -53,47 +61,95 @@ pub(super) struct Stops {
 /// A point at which a body is stopped.
 #[derive(Clone, Copy, Debug)]
 struct Meeting {
-    /// The numbers of the body in the list of free ones, and of the other one, if that is free too.
+    /// The numbers of the body in the list of free ones, and of the other one, if that is free too; and the arms (m)
+    /// from their centres to the point.
     body: usize,
     other: Option<usize>,
-    /// Where (m), and the direction in which the body is pushed.
-    point: Vec3,
+    arms: [Vec3; 2],
+    /// The direction in which the body is pushed, the speed (m/s) that is missing along it, and the velocity (m/s) with
+    /// which the body slips across it.
     normal: Vec3,
-    /// Speed (m/s) that is missing along it.
     missing: Real,
-    /// λ (N·s).
+    slip: Vec3,
+    /// μ (dimensionless).
+    coefficient: Real,
+    /// λ (N·s), and the impulse of friction (N·s).
     impulse: Real,
+    friction: Vec3,
 }
 
-impl Meeting {
-    /// At a point whose distance (m) is too much below what it was at the `start` and what it should `keep`, after
+/// What meets where, after some time.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    body: usize,
+    other: Option<usize>,
+    arms: [Vec3; 2],
+    normal: Vec3,
+    /// Velocity (m/s) of the body there relative to what it meets.
+    velocity: Vec3,
+    coefficient: Real,
+}
+
+impl Place {
+    /// What is met if its distance (m) is too much below what it was at the `start` and what it should `keep`, after
     /// `time` (s).
-    fn new(
-        (body, other): (usize, Option<usize>),
-        [start, now, keep]: [Real; 3],
-        time: Real,
-        [point, normal]: [Vec3; 2],
-    ) -> Option<Self> {
+    fn met(&self, [start, now, keep]: [Real; 3], time: Real) -> Option<Meeting> {
         let least = (1.0 - MISSING) * keep;
         let allowed = if start < least {
             start - ROUNDING * keep
         } else {
             least
         };
-        (now < allowed).then(|| Self {
-            body,
-            other,
-            point,
-            normal,
+        (now < allowed).then(|| Meeting {
+            body: self.body,
+            other: self.other,
+            arms: self.arms,
+            normal: self.normal,
             missing: (start.min(keep) - now) / time,
+            slip: across(self.velocity, self.normal),
+            coefficient: self.coefficient,
             impulse: 0.0,
+            friction: Vec3::zeros(),
         })
     }
+}
 
-    /// The free bodies, and the sense in which each is pushed.
-    fn ends(&self) -> impl Iterator<Item = (usize, Real)> + use<> {
-        let other = self.other.map(|other| (other, -1.0));
-        std::iter::once((self.body, 1.0)).chain(other)
+impl Meeting {
+    /// The free bodies, the sense in which each is pushed, and its arm (m).
+    fn ends(&self) -> impl Iterator<Item = (usize, Real, Vec3)> + use<> {
+        let other = self.other.map(|other| (other, -1.0, self.arms[1]));
+        std::iter::once((self.body, 1.0, self.arms[0])).chain(other)
+    }
+
+    /// By how much (m/s) impulses have changed the velocity with which the body leaves the other one there.
+    fn change(&self, bodies: &[FreeBody]) -> Vec3 {
+        let change = |(number, sign, arm): (usize, Real, Vec3)| {
+            let [v, w] = bodies[number].change;
+            (v + w.cross(&arm)) * sign
+        };
+        self.ends().map(change).sum()
+    }
+
+    /// By how much (m/s) an impulse of 1 N·s along `direction` changes that.
+    fn inverse_effective_mass(&self, bodies: &[FreeBody], direction: Vec3) -> Real {
+        let of = |(number, _, arm): (usize, Real, Vec3)| {
+            let [v, w] = bodies[number].velocity_by(direction, arm);
+            direction.dot(&(v + w.cross(&arm)))
+        };
+        self.ends().map(of).sum()
+    }
+
+    /// Gives the bodies an impulse (N·s).
+    fn push(&self, bodies: &mut [FreeBody], push: Vec3) {
+        for (number, sign, arm) in self.ends() {
+            let free = &mut bodies[number];
+            let change = free.velocity_by(push * sign, arm);
+            for (sum, change) in free.change.iter_mut().zip(change) {
+                *sum += change;
+            }
+            free.stop[0] += push * sign;
+            free.stop[1] += arm.cross(&(push * sign));
+        }
     }
 }
 
@@ -211,8 +267,17 @@ impl Contacts {
             let (start, point) = (at(&from), at(&then));
             let distance = obstacle.signed_distance(point, time);
             let start = obstacle.signed_distance(start, 0.0).value;
-            let distances = [start, distance.value, keep];
-            let met = Meeting::new((number, None), distances, time, [point, -distance.normal]);
+            let moves = (at(&ends) - at(&from)) / step.dt;
+            let vertex = corners[0] as usize;
+            let place = Place {
+                body: number,
+                other: None,
+                arms: [point - centre, Vec3::zeros()],
+                normal: -distance.normal,
+                velocity: obstacle.motion().velocity_at(point, time) - moves,
+                coefficient: self.near.friction_on(vertex, self.bodies[free.number].1),
+            };
+            let met = place.met([start, distance.value, keep], time);
             self.stops.meetings.extend(met);
         }
     }
@@ -223,7 +288,7 @@ impl Contacts {
         let own = self.bodies[free.number].0.motion();
         let [before, then] = [0.0, time].map(|time| own.pose_at(time));
         let keep = FROM_BODIES * self.near.law.range();
-        for (index, (obstacle, _)) in self.bodies.iter().enumerate() {
+        for (index, (obstacle, friction)) in self.bodies.iter().enumerate() {
             let lipschitz = obstacle.shape().lipschitz();
             let between = obstacle.signed_distance(then.position, time).value / lipschitz;
             if index == free.number || between > free.radius + keep {
@@ -231,18 +296,73 @@ impl Contacts {
             }
             let gives_way = |free: &FreeBody| free.number == index && !free.is_held;
             let other = self.free.list.iter().position(gives_way);
-            for local in &free.surface {
-                let point = then.to_world(*local);
-                let distance = obstacle.signed_distance(point, time);
+            let known = self.stops.meetings.len();
+            for vertex in &free.surface {
+                let distance = obstacle.signed_distance(then.to_world(*vertex), time);
                 if distance.value >= keep {
                     continue;
                 }
-                let start = obstacle.signed_distance(before.to_world(*local), 0.0);
-                let distances = [start.value, distance.value, keep];
-                let met = Meeting::new((number, other), distances, time, [point, distance.normal]);
+                let (local, distance) =
+                    self.support((number, time), [*vertex, distance.normal], |local| {
+                        obstacle.signed_distance(then.to_world(local), time)
+                    });
+                let point = then.to_world(local);
+                let is_known = |met: &Meeting| {
+                    met.other == other
+                        && (met.arms[0] + then.position - point).norm() <= SAME * free.radius
+                };
+                if self.stops.meetings[known..].iter().any(is_known) {
+                    continue;
+                }
+                let start = obstacle.signed_distance(before.to_world(local), 0.0);
+                let motion = obstacle.motion();
+                let centres = [then.position, motion.pose_at(time).position];
+                let place = Place {
+                    body: number,
+                    other,
+                    arms: centres.map(|centre| point - centre),
+                    normal: distance.normal,
+                    velocity: own.velocity_at(point, time) - motion.velocity_at(point, time),
+                    coefficient: (self.bodies[free.number].1 * friction).sqrt(),
+                };
+                let met = place.met([start.value, distance.value, keep], time);
                 self.stops.meetings.extend(met);
             }
         }
+    }
+
+    /// The point (m) of the surface of a free body after `time` (s), in its frame, foremost against a normal: near a `vertex` of
+    /// the surface, or this if that is not nearer to the obstacle; and the distance there. A round body rolls on its
+    /// surface, not on these vertices.
+    fn support(
+        &self,
+        (number, time): (usize, Real),
+        [vertex, mut normal]: [Vec3; 2],
+        distance: impl Fn(Vec3) -> Distance,
+    ) -> (Vec3, Distance) {
+        let free = &self.free.list[number];
+        let (body, _) = &self.bodies[free.number];
+        let turned = body.motion().pose_at(time).orientation;
+        let (mut best, mut least) = (vertex, distance(vertex));
+        for _ in 0..SUPPORTS {
+            // The feet of points in front: the far one is soon foremost before a plane, the near one before a ball.
+            let ahead = turned.inverse_transform_vector(&normal) * free.radius;
+            let from = best;
+            for far in FAR {
+                let before = from - ahead * far;
+                let foot = body.shape().signed_distance(before);
+                let point = before - foot.normal * foot.value;
+                let there = distance(point);
+                let off = body.shape().signed_distance(point).value.abs();
+                if there.value < least.value && off <= ROUNDING * free.radius {
+                    (best, least, normal) = (point, there, there.normal);
+                }
+            }
+            if best == from {
+                break;
+            }
+        }
+        (best, least)
     }
 }
 
@@ -252,39 +372,29 @@ impl FreeBodies {
         self.list.iter_mut().for_each(|free| free.change = zeros);
         for _ in 0..SWEEPS {
             for meeting in &mut *meetings {
-                let (mut inverse_effective_mass, mut speed) = (0.0, 0.0);
-                for (number, sign) in meeting.ends() {
-                    let arm = self.list[number].arm(meeting.point);
-                    let [v, w] = self.list[number].velocity_by(meeting.normal, arm);
-                    inverse_effective_mass += meeting.normal.dot(&(v + w.cross(&arm)));
-                    let [v, w] = self.list[number].change;
-                    speed += sign * meeting.normal.dot(&(v + w.cross(&arm)));
-                }
-                let more = (meeting.missing - speed) / inverse_effective_mass;
+                let normal = meeting.normal;
+                let missing = meeting.missing - normal.dot(&meeting.change(&self.list));
+                let more = missing / meeting.inverse_effective_mass(&self.list, normal);
                 let impulse = (meeting.impulse + more).max(0.0);
-                let push = meeting.normal * (impulse - meeting.impulse);
+                meeting.push(&mut self.list, normal * (impulse - meeting.impulse));
                 meeting.impulse = impulse;
-                for (number, sign) in meeting.ends() {
-                    let free = &mut self.list[number];
-                    let arm = free.arm(meeting.point);
-                    let change = free.velocity_by(push * sign, arm);
-                    for (sum, change) in free.change.iter_mut().zip(change) {
-                        *sum += change;
-                    }
-                    free.stop[0] += push * sign;
-                    free.stop[1] += arm.cross(&(push * sign));
-                }
+                let slip = meeting.slip + across(meeting.change(&self.list), normal);
+                let Some(direction) = slip.try_normalize(0.0) else {
+                    continue;
+                };
+                let inverse_effective_mass = meeting.inverse_effective_mass(&self.list, direction);
+                let friction = clamp_to_friction_cone(
+                    meeting.friction - slip / inverse_effective_mass,
+                    meeting.coefficient * impulse,
+                );
+                meeting.push(&mut self.list, friction - meeting.friction);
+                meeting.friction = friction;
             }
         }
     }
 }
 
 impl FreeBody {
-    /// From its centre to a point (m).
-    fn arm(&self, point: Vec3) -> Vec3 {
-        point - self.place.position
-    }
-
     /// What an impulse (N·s) at the end of an arm (m) makes of its velocities (m/s, rad/s).
     fn velocity_by(&self, impulse: Vec3, arm: Vec3) -> [Vec3; 2] {
         self.body

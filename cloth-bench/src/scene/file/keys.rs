@@ -184,13 +184,14 @@ crate::settings! {
         velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "constant, or with a density or a mass at the start";
         angular_velocity: Option<Vec3> = "[0, 0, 0]" "rad/s",
             "the same of turning, about the position; with a density or a mass about the centre of mass";
-        friction: Option<Real> = "that of [contact]" in AtLeast(0.0), "coefficient of friction of the cloth on it";
+        friction: Option<Real> = "that of [contact]" in AtLeast(0.0), "coefficient of friction of the cloth on it; of two bodies, \
+             one of which the cloth pushes, the geometric mean";
         released: Option<Real> = "none" "s" in AtLeast(0.0),
             "of a body with a density or a mass: when it is let go, from rest; until then it stays where it is, \
              whatever pushes it; none: it is free from the start";
         density: Option<Real> = "none" "kg/m³" in Above(0.0),
             "of a body that gravity pulls and the cloth pushes; none: it keeps its velocities, whatever pushes it. It \
-             stops, without a rebound and without friction, before held vertices and before other bodies, but for \
+             stops, without a rebound and with friction, before held vertices and before other bodies, but for \
              animations; other bodies pass through each other. A run cuts a step into parts that are short enough for \
              the contact of the body";
         mass: Option<Real> = "none" "kg" in Above(0.0), "the same body by its mass: give this or a density";
