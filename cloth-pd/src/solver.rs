@@ -18,6 +18,7 @@ use cloth_core::contact::{ContactError, FadingTruncation};
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
+use end::Relapses;
 
 /// Projective dynamics; see the [crate documentation](crate).
 ///
@@ -358,6 +359,7 @@ impl PdSolver {
         let last = first + most;
         // The last values of `G` (J).
         let mut values = [Real::INFINITY; DECREASE_WINDOW];
+        let mut relapses = Relapses::default();
         loop {
             let is_last = report.iterations == last;
             // A number of iterations is all that may have been asked for.
@@ -402,9 +404,8 @@ impl PdSolver {
                     (true, false) => (0, fraction),
                     (false, _) => (least, fraction),
                 };
-                if report.iterations >= first + least
-                    && self.meets_velocity_tolerance(fraction, decrease)
-                {
+                let is_met = relapses.accepts(self.velocity_errors(fraction, decrease));
+                if is_met && report.iterations >= first + least {
                     return Ok(Outcome::Converged);
                 }
             }

@@ -17,6 +17,32 @@ const NEGLIGIBLE_SPEED: Real = 1e-6;
 /// without gravity has no other velocity to compare with, and ends at rounding.
 const NEGLIGIBLE_WAY: Real = 1e-10;
 
+/// An error beyond this many times what is asked for, after a smaller one than that, is a relapse; and how many errors in
+/// a row have to be small from then on.
+const RELAPSE: Real = 10.0;
+const STEADY: u32 = 5;
+
+/// Errors of a step that came back after they had been small. Where cloth is squeezed between a body and another, a
+/// direction that only takes a pair apart again that is much too near has a small decrement, and the next one does not.
+#[derive(Debug, Default)]
+pub(super) struct Relapses {
+    small: u32,
+    has_relapsed: bool,
+}
+
+impl Relapses {
+    /// Whether both errors of an iteration, over what is asked for, are small enough after those before it.
+    pub(super) fn accepts(&mut self, [by_decrement, by_decrease]: [Real; 2]) -> bool {
+        if by_decrement <= 1.0 {
+            self.small += 1;
+        } else {
+            self.has_relapsed |= self.small > 0 && by_decrement > RELAPSE;
+            self.small = 0;
+        }
+        self.small >= if self.has_relapsed { STEADY } else { 1 } && by_decrease <= 1.0
+    }
+}
+
 impl PdSolver {
     /// Whether the tolerance is met at the point.
     pub(super) fn is_converged(
@@ -66,13 +92,13 @@ impl PdSolver {
         objective.norm(&self.point.gradient) <= tolerance * forces
     }
 
-    /// Whether velocities are as near to those of the minimum as `fraction` of the tolerance asks: by the Newton
-    /// decrement of the last direction, and by `decrease` (J), that of `G` in [`DECREASE_WINDOW`] iterations. Pairs
-    /// that do not fit the Hessian can make the first too small. Where no direction leads down any more, as at the
-    /// speed at which the air carries a sheet, the gradient bounds it: the Hessian is at least M/Δt².
-    pub(super) fn meets_velocity_tolerance(&self, fraction: Real, decrease: Real) -> bool {
+    /// How far velocities are from those of the minimum, over what `fraction` of the tolerance asks, squared: first by
+    /// the Newton decrement of the last direction, then by `decrease` (J), that of `G` in [`DECREASE_WINDOW`] iterations.
+    /// Pairs that do not fit the Hessian can make the first too small. Where no direction leads down any more, as at
+    /// the speed at which the air carries a sheet, the gradient bounds it: the Hessian is at least M/Δt².
+    pub(super) fn velocity_errors(&self, fraction: Real, decrease: Real) -> [Real; 2] {
         let Method::QuasiNewton(method) = &self.method else {
-            return false;
+            return [Real::INFINITY; 2];
         };
         let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
         let velocity = forced
@@ -83,7 +109,8 @@ impl PdSolver {
             known if known.is_finite() => known,
             _ => (self.objective.norm(&self.point.gradient) * self.objective.dt()).powi(2),
         };
-        decrement <= enough && decrease <= DECREASE_WINDOW as Real * enough
+        let over = |error: Real| if error == 0.0 { 0.0 } else { error / enough };
+        [over(decrement), over(decrease / DECREASE_WINDOW as Real)]
     }
 
     /// Whether the last direction was one of Newton's method.
