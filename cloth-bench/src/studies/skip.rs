@@ -86,8 +86,12 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let most = times.iter().map(|(_, t)| t.unused).fold(0.0, Real::max);
     let noise = times.iter().map(|(_, t)| (t.again - 1.0).abs());
     let noise = noise.fold(0.0, Real::max);
+    let costs = match most - 1.0 <= noise {
+        true => "costs no time beyond the noise",
+        false => "costs more than the noise with some method",
+    };
     let mut verdict = format!(
-        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.\n{memory}",
+        "A feature that is there but unused {costs}: it makes a step at most {most:.3} times as long, and the same step measured twice differs by up to {:.1} %.\n{memory}",
         100.0 * noise
     );
     let mut fewest = weights.iter().filter_map(|((name, features), weight)| {
