@@ -157,8 +157,8 @@ impl Method {
     pub(crate) fn about_energy_gain(&self) -> &'static str {
         match self.kind {
             Kind::Pbd => {
-                " (that is pbd's own with several iterations a substep: what they leave of a stretch has no force behind \
-                 it; use xpbd, which with one iteration a substep is the same)"
+                " (that is pbd's own: what its sweeps leave of a stretch has no force behind it; more substeps of one \
+                 iteration leave less, and xpbd takes as many as the mesh asks for)"
             }
             Kind::LinearImplicit => {
                 " (one linear solve a step can make energy where stiff cloth turns fast; a shorter --dt makes it less, \

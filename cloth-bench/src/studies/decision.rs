@@ -25,7 +25,7 @@ pub(super) const STUDY: Study = Study {
         methods take the step in one part there, elsewhere they cut it as finely as they need. Locks: angle over the exact one of a \
         sheet with alternating diagonals and edges of 1e6 N/m that hangs over an edge (other patterns lock elsewhere), methods that damp next to nothing with air drag (see the study of locking): yes below 0.5, partly below 0.8, too far above 1.25. \
         Contact: the same sheet falls on a sphere, half a second; its time a step over that of hanging, pairs that cross at the \
-        end, and energy from nowhere: above what start and gravity gave, over the latter, energy of strained springs included. Best: within a factor of 1.3 of the least cost or largest real time, as near as another run may come, or within a twentieth of the best of what depends on no clock, of those that are not unfit. Unfit: \
+        end, and spurious energy gain (energy from nowhere): above what start and gravity gave, over the latter, energy of strained springs included. Best: within a factor of 1.3 of the least cost or largest real time, as near as another run may come, or within a twentieth of the best of what depends on no clock, of those that are not unfit. Unfit: \
         ten times the time, memory or contact cost of the best, a tenth of its vertices, an error above 0.1, edges longer by 2 % than \
         with implicit Euler, unstable with 1e4 N/m, locked, crossings, or more than 1 % of energy above what was given.",
     run,
@@ -202,7 +202,7 @@ pub fn verdict(rows: &[Row]) -> String {
     let names: Vec<&str> = fit.iter().map(|row| row.method).collect();
     let mut unfit = unfit.map(|(method, against)| format!("{method} ({})", against.join(", ")));
     format!(
-        "{best}These are the best of those whose cloth is right: {}.\nNot so, and why: {}.",
+        "{best}Which is nearest to the motion in continuous time is another question, that of the study work-precision.\nThese are the best of those whose cloth is right: {}.\nNot so, and why: {}.",
         names.join(", "),
         unfit.join("; ")
     )

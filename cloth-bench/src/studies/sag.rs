@@ -243,10 +243,10 @@ fn substeps(study: &mut StudyRun<'_>) -> (String, String) {
         "With the substeps of the guide, at most, relative to the strain it predicts: {}.",
         parts.join(", ")
     );
-    let [.., [_, of_corners]] = found;
+    let [.., of_corners] = found;
+    let [mean, worst] = of_corners.map(two);
     let of_corners = format!(
-        "; hung by two corners a sheet has up to {} times that strain in its worst edge",
-        two(of_corners)
+        "; hung by two corners a sheet has up to {mean} times that strain, and {worst} times in its worst edge"
     );
     (guide, of_corners)
 }

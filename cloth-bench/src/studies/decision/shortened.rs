@@ -61,7 +61,7 @@ pub(super) fn compare(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         compare_on(study, (scene, sides), &mut rows)?;
         let of_scene = &rows[begin..];
         told.line(scene, tell(of_scene));
-        first.extend(first_method(of_scene).map(|method| format!("{method} on {scene}")));
+        first.extend(first_method(of_scene).map(|method| format!("on {scene} {method}")));
     }
     let caption =
         "Steps in contact that end early, beside converged ones (the first of each scene)";
@@ -135,7 +135,7 @@ fn first_method(rows: &[(End, Given)]) -> Option<&str> {
     let mut near = right(rows).filter(|(_, given)| is_near(given.ms));
     Some(match near.all(|(other, _)| other.method == end.method) {
         true => end.method,
-        false => "neither, within the noise,",
+        false => "neither (within the noise)",
     })
 }
 
