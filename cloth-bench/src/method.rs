@@ -105,8 +105,9 @@ pub const METHODS: [Method; 10] = [
     },
     Method {
         name: "pbd",
-        about: "position-based dynamics; with any settings it stretches too far (a rope of 20 links 2.9 times as far as \
-                it should, one of 80 links 20 times) and gains energy: xpbd is what it became",
+        about: "position-based dynamics; with one iteration a substep it is xpbd, with its published 20 iterations of one \
+                substep it stretches too far (a rope of 20 links 2.9 times as far as it should, one of 80 links 20 times) \
+                and gains energy: xpbd is what it became",
         parameters: position_based::PBD,
         kind: Kind::Pbd,
     },
@@ -156,8 +157,8 @@ impl Method {
     pub(crate) fn about_energy_gain(&self) -> &'static str {
         match self.kind {
             Kind::Pbd => {
-                " (that is pbd's own, with any settings: what its sweeps leave of a stretch has no force behind it; \
-                 use xpbd)"
+                " (that is pbd's own: what its sweeps leave of a stretch has no force behind it; more substeps of one \
+                 iteration leave less, and xpbd takes as many as the mesh asks for)"
             }
             Kind::LinearImplicit => {
                 " (one linear solve a step can make energy where stiff cloth turns fast; a shorter --dt makes it less, \

@@ -11,7 +11,8 @@ use serde::Serialize;
 pub(crate) struct Qualities {
     method: &'static str,
     physical_parameters: &'static str,
-    holds_and_lets_go_without_a_new_solver: &'static str,
+    #[serde(rename = "this implementation holds and lets go without a new solver")]
+    holds_and_lets_go: &'static str,
     in_parallel: &'static str,
     factorises: &'static str,
     #[serde(rename = "patent reported, not checked")]
@@ -51,7 +52,7 @@ impl Method {
             Kind::Explicit | Kind::Symplectic => ["yes", "no", "gradients", "nothing", "none reported"],
             Kind::Implicit | Kind::LinearImplicit | Kind::Midpoint | Kind::Bdf2 =>
                 ["yes", "no", "gradients, matrices, multigrid", "nothing (multigrid)", "none reported"],
-            Kind::Pbd => ["no: depends on iterations and step", "no", "constraints of a colour", "nothing", "none reported"],
+            Kind::Pbd => ["with one iteration a substep as xpbd; else no: depends on iterations and step", "no", "constraints of a colour", "nothing", "none reported"],
             Kind::Xpbd => ["yes, once it has converged", "no", "constraints of a colour", "nothing", "US 11,270,041"],
             Kind::XpbdDirect => ["yes", "no", "no", "its system", "as xpbd"],
             Kind::Pd => ["yes", "yes", "blocks of vertices, subtrees of the factor", "its matrix, anew for another step size", "none reported"],
@@ -60,7 +61,7 @@ impl Method {
         Qualities {
             method: self.name,
             physical_parameters,
-            holds_and_lets_go_without_a_new_solver: holds,
+            holds_and_lets_go: holds,
             in_parallel,
             factorises,
             patent,

@@ -31,6 +31,9 @@ pub struct Section {
     pub leads: bool,
     /// The answer in a plain sentence, once someone has judged the numbers.
     pub verdict: Option<String>,
+    /// The plot or table that it rests on: `figure-` or `table-`, and the name; if empty, the first of the section.
+    #[serde(default)]
+    pub rests_on: String,
     /// The numbers behind it, method by method.
     #[serde(default)]
     pub detail: String,
@@ -164,8 +167,11 @@ impl Section {
         all.any(|(kind, name)| figure.strip_prefix(kind) == Some(name))
     }
 
-    /// What its answer rests on first: a figure, or a table if it has none.
-    fn first(&self) -> Option<(&str, &str)> {
+    /// What its answer rests on: a figure or a table; if none is named, the first.
+    fn basis(&self) -> Option<(&str, &str)> {
+        if let Some(named) = self.rests_on.split_once('-') {
+            return Some(named);
+        }
         let plot = self.plots.first().map(|(name, _)| ("figure", &**name));
         let table = self.tables.first();
         plot.or(table.map(|(name, ..)| ("table", &**name)))
@@ -182,7 +188,7 @@ impl Section {
             html += &format!("<p class=\"question\">{}</p>\n", escape(&self.question));
         }
         if let Some(verdict) = &self.verdict {
-            let link = self.first().map_or(String::new(), |(kind, name)| {
+            let link = self.basis().map_or(String::new(), |(kind, name)| {
                 let id = anchor(&format!("{kind}-{name}"));
                 format!(" <a href=\"#{id}\">{kind}</a>")
             });

@@ -96,6 +96,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         }
     }
     chains::run(study);
+    study.section.rests_on = "table-acceleration".into();
     study.section.verdict = verdict(&rows);
     study.table(
         "acceleration",

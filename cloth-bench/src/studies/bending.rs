@@ -70,7 +70,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         format!("largest error {:.2} %", 100.0 * worst)
     });
     study.section.verdict = Some(format!(
-        "{alike} from Γ = 0.1 to 1000 on a strip of {} × 5 vertices ({worst}), so one rigidity D means one cloth.\nThat holds where bending follows the edges: \
+        "{alike} from Γ = 0.1 to 1000 on a strip of {} × 5 vertices ({worst}), so there one rigidity D bends alike in all models; on other surfaces and patterns it does not.\nIt does where bending follows the edges: \
          the measured factors are those of the closed forms to {apart:.0e}, and they differ with pattern, direction and shape, from 1 to 18 for one k of the quadratic model.",
         study.scope.of(ROWS)
     ));

@@ -131,9 +131,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     }
     let mut told = methods().into_iter().map(|method| {
         let [by_size, by_step] = grid.ranges(method, &falls);
-        let [strain, _] = grid.ranges(method, &strains);
+        let [strain, by_step_strain] = grid.ranges(method, &strains);
         format!(
-            "{method} falls {by_size} of the converged way over all resolutions and {by_step} over all steps, at {strain} times the strain",
+            "{method} falls {by_size} of the converged way over all resolutions and {by_step} over all steps, at {strain} and {by_step_strain} times the strain",
         )
     });
     let is_near = |row: &Compared| (row.fall_over_converged - 1.0).abs() <= NEAR;
@@ -142,6 +142,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let mut own = rows.iter().filter(|(point, _)| point.method == *method);
         own.all(|(_, row)| is_near(row))
     });
+    study.section.rests_on = "figure-independence-size".into();
     study.section.verdict = Some(format!(
         "Converged, the sheet falls {} m in 0.5 s; within {} of that on every mesh and with every step: {}.\n{}. {lopsided}",
         significant(converged.fall.0, 2),

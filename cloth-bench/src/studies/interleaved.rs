@@ -17,6 +17,8 @@ pub struct Interleaved<const N: usize> {
     pub seconds: [Real; N],
     /// Medians of the times over that of the first variant in the same round (dimensionless).
     pub ratios: [Real; N],
+    /// Upper quartiles of these ratios: three rounds of four are below.
+    pub upper: [Real; N],
 }
 
 /// Compares `N` variants, of which `time` runs the one with that index and gives its time (s): in rounds of one run of
@@ -54,5 +56,10 @@ pub fn interleaved<const N: usize>(
     Ok(Interleaved {
         seconds: each(|round, variant| round[variant]),
         ratios: each(|round, variant| round[variant] / round[0]),
+        upper: std::array::from_fn(|variant| {
+            let ratios = rounds.iter().map(|round| round[variant] / round[0]);
+            let ratios = ratios.sorted_by(Real::total_cmp).collect_vec();
+            ratios[3 * (ratios.len() - 1) / 4]
+        }),
     })
 }

@@ -11,7 +11,7 @@ pub(super) const STUDY: Study = Study {
     about: "A sheet of 1 m × 1 m, held along one edge under gravity, springs of 1e3 N/m and hinges of 1e-5 N·m, Δt = 1/60 s, published settings. random: every free vertex anywhere in a cube of 2 m; flattened: all in the line of their row, so no triangle has an area; \
         collapsed: all in one point; mirrored: on the other side of the held edge. Every run is jittered by 1e-4 m, ten times with other numbers; velocities are taken away whenever the kinetic energy has passed a maximum. \
         A run recovers if no step fails, all stays finite, and at the end the root mean square strain is at most 1e-2 above what the same method leaves in the sheet when it starts flat (strain at rest), or implicit Euler where the method fails even then; one run that does not fails the cell. worst strain is the largest over the runs. \
-        Strain at rest tells how stiff that setting is, which is no matter of recovery: PBD's cloth stretches thirty times as far as the cloth it is given. \
+        Strain at rest tells how stiff that setting is, which is no matter of recovery. \
         Mirrored is no trouble for a sheet in space, which swings down from there: it is a check. A collapsed sheet has springs of no length, which have no direction: what a method does there is a choice, and the jitter is there because no rule can break that tie for all.",
     run,
 };

@@ -32,8 +32,8 @@ const MOST_STEPS: [u32; 2] = [300, 3000];
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let holds = chains(study)?;
-    let guide = substeps(study);
-    let diameter = iterations(study);
+    let (guide, of_corners) = substeps(study);
+    let diameter = iterations(study, &of_corners);
     study.section.verdict = Some(format!(
         "The chain sags by its law {holds}.\n{guide} {diameter}"
     ));
@@ -198,7 +198,7 @@ struct Guided {
     expected: Real,
 }
 
-fn substeps(study: &mut StudyRun<'_>) -> String {
+fn substeps(study: &mut StudyRun<'_>) -> (String, String) {
     let scope = study.scope;
     let guided = |(hung_by, sweep, &wanted_strain): (_, _, &Real)| {
         // √(law at one substep/ε).
@@ -225,25 +225,33 @@ fn substeps(study: &mut StudyRun<'_>) -> String {
         "The substeps that the guide gives for a wanted mean strain, and what they leave",
         &rows,
     );
-    let parts = SUPPORTS.map(|support| {
+    let found = SUPPORTS.map(|support| {
         let most = |strain: fn(&Rest) -> Real| {
             let ours = rows.iter().filter(|(guided, _)| guided.hung_by == support);
             ours.map(|(guided, rest)| strain(rest) / guided.expected)
                 .fold(0.0, Real::max)
         };
-        let [mean, max] = [
+        [
             most(|rest| rest.mean_strain),
             most(|rest| rest.largest_strain),
-        ];
+        ]
+    });
+    let mut parts = SUPPORTS.iter().zip(found).map(|(support, [mean, max])| {
         format!("{support} {mean:.2} times its mean and {max:.1} times it in the worst edge")
     });
-    format!(
+    let guide = format!(
         "With the substeps of the guide, at most, relative to the strain it predicts: {}.",
         parts.join(", ")
-    )
+    );
+    let [.., of_corners] = found;
+    let [mean, worst] = of_corners.map(two);
+    let of_corners = format!(
+        "; hung by two corners a sheet has up to {mean} times that strain, and {worst} times in its worst edge"
+    );
+    (guide, of_corners)
 }
 
-fn iterations(study: &mut StudyRun<'_>) -> String {
+fn iterations(study: &mut StudyRun<'_>, of_corners: &str) -> String {
     let scope = study.scope;
     let rows = study.grid_side_by_side(
         iproduct!(SUPPORTS, SWEEPS, SPENT.into_iter().rev()),
@@ -286,7 +294,7 @@ fn iterations(study: &mut StudyRun<'_>) -> String {
     study.answer(
         "Substeps or iterations?",
         format!(
-            "{better}. {ROW} sweeps a step leave {of_iterations} of stretch on that sheet as iterations and {of_substeps} as substeps; for one sweep a substep there is a law, so the number that a wanted strain takes can be computed beforehand."
+            "{better}. {ROW} sweeps a step leave {of_iterations} of stretch on that sheet as iterations and {of_substeps} as substeps; for one sweep a substep there is a law, so the number that a wanted strain takes can be computed beforehand: that of chains and of sheets hung by an edge{of_corners}."
         ),
         None,
         "table-sag-iterations",

@@ -86,8 +86,14 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let most = times.iter().map(|(_, t)| t.unused).fold(0.0, Real::max);
     let noise = times.iter().map(|(_, t)| (t.again - 1.0).abs());
     let noise = noise.fold(0.0, Real::max);
+    let beyond = times.iter().filter(|(_, t)| t.unused - 1.0 > noise);
+    let mut beyond = beyond.map(|((feature, method), _)| format!("{feature} with {method}"));
+    let costs = match beyond.join(", ") {
+        none if none.is_empty() => "costs no time beyond the noise".to_owned(),
+        some => format!("costs no time beyond the noise, but for {some}"),
+    };
     let mut verdict = format!(
-        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.\n{memory}",
+        "A feature that is there but unused {costs}: it makes a step at most {most:.3} times as long, and the same step measured twice differs by up to {:.1} %.\n{memory}",
         100.0 * noise
     );
     let mut fewest = weights.iter().filter_map(|((name, features), weight)| {

@@ -338,6 +338,7 @@ fn answer(steps: &[Real], found: &[(Case, Fates)], study: &mut StudyRun<'_>) {
         capitalised(scale::WITHOUT)
     );
     let question = "What survives a step of 1/30 s in contact?";
+    study.section.rests_on = "table-contact-steps".into();
     study.section.verdict = Some(told.clone());
     study.answer(question, told, Some(table), "table-contact-steps");
 }

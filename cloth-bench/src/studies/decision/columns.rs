@@ -1,9 +1,10 @@
 //! The columns of the table: how a value is said, and when it is best or unfit.
 
 use super::measure::Contact;
-use super::{REFERENCE, Row};
+use super::{REFERENCE, Row, measure};
 use crate::report::table::Mark;
 use crate::studies::prelude::*;
+use crate::studies::{NOISE, stability};
 
 /// A column of the table: its heading, its value, how it is said, and how it is judged.
 pub(super) struct Column {
@@ -154,6 +155,37 @@ fn side(vertices: Real) -> String {
 }
 
 impl Column {
+    /// Its name with the sheet that it is measured on.
+    pub(super) fn head(&self, scope: Scope) -> String {
+        let square = |side: u32| format!("{side} × {side}");
+        let [small, large] = measure::sides(scope).map(square);
+        let (of_error, of_contact, _) = measure::small(scope);
+        let name = self.name;
+        match name {
+            "error of a step" => format!("{name}, {}", square(of_error)),
+            "stable up to (N/m)" => format!("{name}, {}", square(stability::map::N as u32)),
+            "locks?" => format!(
+                "{name} alternating diagonals, {}",
+                square(measure::FOLDED + 1)
+            ),
+            "memory" => format!("{name}, {large}"),
+            _ if self.unit == "ms" && name.starts_with("ms a step") => {
+                name.replace("small", &small).replace("large", &large)
+            }
+            "real time up to about" => name.to_owned(),
+            _ => format!("{name}, {}", square(of_contact)),
+        }
+    }
+
+    /// Times that differ by less than this factor may be in another order in another run; what depends on no clock has
+    /// no such factor.
+    pub(super) fn noise(&self) -> Real {
+        match self.rule {
+            Rule::Cost | Rule::Gain => NOISE,
+            _ => 1.0,
+        }
+    }
+
     /// Whether this is how far steps reach that are not cut, as they are everywhere else: no fault of the method.
     fn is_uncut(&self, row: &Row) -> bool {
         self.name.starts_with("stable") && row.method == EXPLICIT
@@ -171,14 +203,14 @@ impl Column {
     }
 
     /// The value of a row, and what to think of it beside the others.
-    pub(super) fn judged(&self, row: &Row, rows: &[Row]) -> Option<(Real, Mark)> {
+    pub(super) fn judged(&self, row: &Row, rows: &[&Row]) -> Option<(Real, Mark)> {
         let value = (self.value)(row)?;
         if self.is_uncut(row) {
             return Some((value, Mark::Expected));
         }
-        let all: Vec<Real> = rows.iter().filter_map(self.value).collect();
+        let all: Vec<Real> = rows.iter().filter_map(|row| (self.value)(row)).collect();
         let reference = rows.iter().find(|row| row.method == REFERENCE);
-        let reference = reference.and_then(self.value);
+        let reference = reference.and_then(|row| (self.value)(row));
         Some((value, self.rule.judge(value, &all, reference)))
     }
 
@@ -236,8 +268,8 @@ impl Rule {
         let is_low = value <= 1.05 * least;
         let is_high = value >= 0.95 * most;
         let (is_best, is_unfit) = match *self {
-            Self::Cost => (is_low, value > 10.0 * least),
-            Self::Gain => (is_high, value < 0.1 * most),
+            Self::Cost => (value < NOISE * least, value > 10.0 * least),
+            Self::Gain => (NOISE * value > most, value < 0.1 * most),
             Self::Below(limit) => (is_low, value > limit),
             Self::Above(limit) => (is_high, value < limit),
             Self::One => ((0.8..1.25).contains(&value), !(0.5..2.0).contains(&value)),

@@ -1,6 +1,7 @@
 //! Steps in contact that end before they are converged: which of them is the better for its time?
 
 use super::measure::Drape;
+use crate::studies::NOISE;
 use crate::studies::prelude::*;
 use std::cmp::Ordering;
 
@@ -60,7 +61,7 @@ pub(super) fn compare(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         compare_on(study, (scene, sides), &mut rows)?;
         let of_scene = &rows[begin..];
         told.line(scene, tell(of_scene));
-        first.extend(fastest(of_scene).map(|(end, _)| format!("{} on {scene}", end.method)));
+        first.extend(first_method(of_scene).map(|method| format!("on {scene} {method}")));
     }
     let caption =
         "Steps in contact that end early, beside converged ones (the first of each scene)";
@@ -121,11 +122,26 @@ fn compare_on(
 /// The end that `pd` has by default.
 const PD_DEFAULT: &str = "velocity_tolerance=1e-1";
 
+/// Those that are right on one scene.
+fn right(rows: &[(End, Given)]) -> impl Iterator<Item = &(End, Given)> {
+    let is_right = |given: &Given| given.off.is_some_and(|off| off.abs() < RIGHT);
+    rows.iter().filter(move |(_, given)| is_right(given))
+}
+
+/// The method that is right first, unless another is too near to tell.
+fn first_method(rows: &[(End, Given)]) -> Option<&str> {
+    let (end, Given { ms: first, .. }) = fastest(rows)?;
+    let is_near = |ms: Option<Real>| ms.zip(*first).is_some_and(|(ms, first)| ms < NOISE * first);
+    let mut near = right(rows).filter(|(_, given)| is_near(given.ms));
+    Some(match near.all(|(other, _)| other.method == end.method) {
+        true => end.method,
+        false => "neither (within the noise)",
+    })
+}
+
 /// The fastest that is right on one scene.
 fn fastest(rows: &[(End, Given)]) -> Option<&(End, Given)> {
-    let is_right = |given: &Given| given.off.is_some_and(|off| off.abs() < RIGHT);
-    let right = rows.iter().filter(|(_, given)| is_right(given));
-    right.min_by(|a, b| a.1.ms.partial_cmp(&b.1.ms).unwrap_or(Ordering::Equal))
+    right(rows).min_by(|a, b| a.1.ms.partial_cmp(&b.1.ms).unwrap_or(Ordering::Equal))
 }
 
 /// The same in words, projective dynamics at its default, and the converged one.

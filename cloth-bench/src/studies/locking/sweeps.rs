@@ -199,7 +199,7 @@ pub(super) fn folds(study: &mut StudyRun<'_>) -> Folds {
     .note("The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.");
     study.plot("locking-fold", &plot);
     let length = plot::Axis::log("edge length l (m)");
-    let plot = Plot::new("Finer meshes fold", length, reached).with(by_length).note(&format!(
+    let plot = Plot::new("Bending reached against the length of edges", length, reached).with(by_length).note(&format!(
         "Y = {SHOWN:e} N/m, held along the falling diagonal; from right to left the same sheet with finer and finer meshes. Dashed, in the colour of the mesh: 1/(1 + (l/l*)⁴), which is one half at l = l* = (702 D R²/Y)^¼, with the rigidity D that the mesh has about this diagonal and the radius R of its fold. A sheet free to curve across is softer than the developable answer, so 1 can be exceeded."
     ));
     study.plot("locking-length", &plot);

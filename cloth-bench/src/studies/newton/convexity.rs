@@ -153,7 +153,18 @@ pub fn take(sheet: &str, side: u32, hessian: HessianPolicy) -> Result<Traced, Be
     let mut solver = builder.config(config).build()?;
     Ok(match problem.trace(&mut solver) {
         Ok(trace) => (trace, String::new()),
-        Err(error) => (Vec::new(), error.to_string()),
+        Err(error) => {
+            let told = error.to_string();
+            let is_kept = matches!(hessian, HessianPolicy::Always(Convexity::Exact));
+            // Here it is not for stiffness beside mass.
+            let why = match told.split_once(" to rounding: ").filter(|_| is_kept) {
+                Some((matrix, _)) => {
+                    format!("{matrix}: negative eigenvalues of compressed springs are in it")
+                }
+                None => told,
+            };
+            (Vec::new(), why)
+        }
     })
 }
 

@@ -1,6 +1,7 @@
 //! Every linear solver on the same system.
 
 use super::{System, seconds};
+use crate::studies::NOISE;
 use crate::studies::prelude::*;
 use cloth_core::method::linear::{LinearMethod, LinearSolver, StoppingCriteria};
 use cloth_core::step::Outcome;
@@ -122,15 +123,20 @@ impl Solvers {
                     .map(|(side, name)| format!("{name} at {side}"))
                     .join(", "),
             };
-            format!("To a residual of {tolerance:e} the fastest is {who}.")
+            format!(
+                "To a residual of {tolerance:e} the fastest is {who} (several where times differ by less than a factor of {NOISE})."
+            )
         });
         sentences.join(" ")
     }
 
-    fn fastest(&self, side: u32, tolerance: Real) -> Option<&str> {
+    /// The fastest, or all that are too near to it to tell which is.
+    fn fastest(&self, side: u32, tolerance: Real) -> Option<String> {
         let done = self.done(tolerance).filter(|s| s.vertices_a_side == side);
-        let fastest = done.min_by(|a, b| a.time.total_cmp(&b.time));
-        fastest.map(|s| s.solver.as_str())
+        let done = done.collect_vec();
+        let least = done.iter().map(|s| s.time).min_by(|a, b| a.total_cmp(b))?;
+        let near = done.iter().filter(|s| s.time < NOISE * least);
+        Some(near.map(|s| s.solver.as_str()).join(" or "))
     }
 }
 

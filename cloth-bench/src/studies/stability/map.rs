@@ -8,7 +8,7 @@ use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::random::SplitMix64;
 
 /// Vertices a side.
-const N: usize = 9;
+pub(in crate::studies) const N: usize = 9;
 const STEP: Real = 1.0 / 60.0;
 /// Every vertex starts with a velocity (m/s) of up to this in each direction, another in every run: it loads no spring,
 /// as displacements would.

@@ -74,6 +74,7 @@ fn nasty() -> Report {
         question: nasty.into(),
         leads: false,
         verdict: Some(nasty.into()),
+        rests_on: String::new(),
         detail: nasty.into(),
         command: nasty.into(),
         plots: vec![(nasty.into(), plot.draw().svg)],

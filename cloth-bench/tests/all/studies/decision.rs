@@ -93,7 +93,7 @@ fn what_is_unfit_is_best_at_nothing() {
     assert!(told.contains(fit) && told.contains(unfit), "{told}");
     let best = [
         "large sheet: pd (8 ms)",
-        "accurate step: implicit-euler (1e-9)",
+        "implicit Euler step: implicit-euler (1e-9)",
     ];
     assert!(best.iter().all(|best| told.contains(best)), "{told}");
     // What is not to be had says why.

@@ -19,6 +19,7 @@ fn ratios_are_those_of_the_variants_on_a_machine_that_changes_its_speed() {
     let expected = Interleaved {
         seconds: [8.0, 16.0, 4.0],
         ratios: [1.0, 2.0, 0.5],
+        upper: [1.0, 2.0, 0.5],
     };
     assert_eq!(measured, Ok(expected));
     assert_eq!(runs, 3 * (ENOUGH + 1));
