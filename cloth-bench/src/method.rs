@@ -61,6 +61,8 @@ enum Kind {
 /// More parts of a step than this are a slip of the pen, and more than these are worth a note.
 const MOST_SUBSTEPS: Real = 1e6;
 const MANY_SUBSTEPS: u32 = 1000;
+/// Fraction of the steps with truncated vertices that is worth a warning.
+const TRUNCATED: Real = 0.1;
 /// Strain at the end of a run of which sweeps may have left a part that is worth a warning: more than their number is
 /// chosen for.
 const SWEPT_STRAIN: Real = 0.15;
@@ -160,12 +162,31 @@ impl Method {
                 " (that is pbd's own: what its sweeps leave of a stretch has no force behind it; more substeps of one \
                  iteration leave less, and xpbd takes as many as the mesh asks for)"
             }
+            Kind::Xpbd => {
+                " (its sweeps end before the forces of a step are in balance, as where pins pull stiff cloth taut; more \
+                 substeps leave less of that, and implicit-euler and pd nothing)"
+            }
             Kind::LinearImplicit => {
                 " (one linear solve a step can make energy where stiff cloth turns fast; a shorter --dt makes it less, \
                  and implicit-euler makes none)"
             }
             _ => "",
         }
+    }
+
+    /// A sentence about steps whose contact ended vertices of a sweeping method short of where forces would, if there
+    /// are so many that it is worth a warning.
+    pub(crate) fn truncation_warning(&self, summary: &Summary) -> Option<String> {
+        let (truncated, steps) = (summary.truncated_steps, summary.steps);
+        let is_worth_it = Real::from(truncated) > TRUNCATED * Real::from(steps);
+        (matches!(self.kind, Kind::Xpbd | Kind::Pbd) && is_worth_it).then(|| {
+            format!(
+                "{truncated} of {steps} steps ended with vertices that had to stop short, so that nothing crosses: no \
+                 force has held them, and what rests on them is not all told by --forces; see what `--set \
+                 substeps={}` makes of it",
+                4 * summary.iterations_per_step.max(1)
+            )
+        })
     }
 
     /// A note on a number of substeps that makes the method dear, before a run.

@@ -206,7 +206,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let holds = scene.model.particles.free_count() < scene.model.particles.len();
     if arguments.pin_loads.is_some() && !holds && scene.changes.is_empty() {
         return Err(BenchError::Usage(format!(
-            "--pin-loads is for held vertices, and scene `{}` has none",
+            "--pin-loads is for held vertices, and scene `{}` has none (a pin with a stiffness is a spring, which holds \
+             none)",
             scene.name
         )));
     }
@@ -408,6 +409,7 @@ fn simulate(
             .energy_warning()
             .map(|warning| warning + method.about_energy_gain()),
         summary.budget_warning(),
+        method.truncation_warning(&summary),
         summary.pinch_warning(),
         summary.held_inside.clone(),
     ];

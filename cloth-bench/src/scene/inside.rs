@@ -2,12 +2,17 @@
 //! said of cloth that crosses a body.
 
 use super::{ContactSetup, Scene};
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use cloth_core::contact::ContactError;
 use cloth_core::math::Real;
 use cloth_core::particles::State;
 use cloth_core::step::StepError;
 use cloth_core::topology::{EdgeTable, components};
+
+/// A step (s), and a size of cloth (m), beyond which a unit may be another one than meant.
+const LONGEST_STEP: Real = 0.5;
+const LARGEST_CLOTH: Real = 200.0;
 
 impl Scene {
     /// Refuses free vertices in or on a body that has an inside. Untangling pulls out what goes through triangles of a
@@ -83,6 +88,7 @@ impl Scene {
             warnings.push("all vertices are held, for ever: nothing can move by itself".into());
         }
         warnings.extend_from_slice(&self.hints);
+        warnings.extend(self.unit_warnings(dt));
         let end = dt * Real::from(steps);
         let late = self.event_times.iter().filter(|(_, time)| *time >= end);
         warnings.extend(late.map(|(place, time)| {
@@ -91,6 +97,22 @@ impl Scene {
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
         warnings.extend(touch.flat_map(ContactSetup::overlap_warnings));
         warnings
+    }
+
+    /// Sentences about lengths and times that look as if they were in other units.
+    fn unit_warnings(&self, dt: Real) -> impl Iterator<Item = String> {
+        let step = (dt > LONGEST_STEP).then(|| {
+            format!("dt = {dt} s is longer than what cloth does in a step: dt is in seconds, 1/60 s is 0.0167")
+        });
+        let mesh = self.mesh.as_ref();
+        let sizes = mesh.map(|mesh| {
+            let [low, high] = bounds(mesh.positions().iter().copied());
+            (high - low).norm()
+        });
+        let size = sizes.filter(|size| *size > LARGEST_CLOTH).map(|size| {
+            format!("the cloth is {size:.0} m across: lengths are in metres (scale = 0.001 makes them of millimetres)")
+        });
+        step.into_iter().chain(size)
     }
 
     /// The number of a vertex in the caller's mesh.

@@ -343,7 +343,7 @@ fn every_mistake_names_its_line_and_key() {
         ),
         (
             "+[[pins]]\nbox = [[5, 5, 5], [6, 6, 6]]\n",
-            "line 4: there is no vertex in the box",
+            "line 4: there is no vertex in the box; they are in [0, 0, 0] to [",
         ),
         ("+[[pins]]\nbox = [1, 2]\n", "line 4: box is `[1, 2]`"),
         (

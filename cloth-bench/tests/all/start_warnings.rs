@@ -148,6 +148,16 @@ fn numbers_in_other_units_are_told() {
         "all lengths are in metres"
     ));
     assert!(says("tiny-ball", &ball(0.001), "all lengths are in metres"));
+    let large = |scale: u32| format!("{SHEET}scale = {scale}\n[[pins]]\nselect = \"corners\"\n");
+    assert!(!says("large-cloth", &large(140), "lengths are in metres"));
+    assert!(says(
+        "larger-cloth",
+        &large(142),
+        "m across: lengths are in metres"
+    ));
+    let slow = |dt: &str| format!("dt = {dt}\n{held}");
+    assert!(!says("long-step", &slow("0.5"), "dt is in seconds"));
+    assert!(says("longer-step", &slow("16"), "dt = 16 s is longer"));
 }
 
 #[test]

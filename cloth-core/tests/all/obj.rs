@@ -200,7 +200,10 @@ fn every_mistake_names_its_line() {
             "f 2 1 3\n",
             "line 7: the face has the same three vertices as that of line 5",
         ),
-        ("v 2 2 0\n", "line 7: the vertex belongs to no face"),
+        (
+            "v 2 2 0\n",
+            "line 7: the vertex belongs to no face: remove it, since nothing would hold it",
+        ),
         (
             "v 2 2 0\nf 1 3 5\n",
             "line 8: the face is degenerate: the area of a triangle is 0e0 m²",

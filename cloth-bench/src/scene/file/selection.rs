@@ -2,6 +2,7 @@
 
 use super::document::Section;
 use super::keys::Selection;
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::pins;
@@ -69,7 +70,11 @@ impl Pieces<'_> {
             _ => return Err(section.refuse_table(format!("takes only {WAYS}"))),
         };
         if found.is_empty() {
-            return Err(own.corners.refuse("there is no vertex in the box"));
+            let [low, high] = bounds(positions.iter().copied());
+            return Err(own.corners.refuse(format!(
+                "there is no vertex in the box; they are in [{}, {}, {}] to [{}, {}, {}] m",
+                low.x, low.y, low.z, high.x, high.y, high.z
+            )));
         }
         Ok(found.into_iter().map(|v| range.start + v).collect())
     }

@@ -94,7 +94,10 @@ impl fmt::Display for ObjProblem {
                     "the face has the same three vertices as that of line {first_line}"
                 )
             }
-            Self::UnreferencedVertex => write!(f, "the vertex belongs to no face"),
+            Self::UnreferencedVertex => write!(
+                f,
+                "the vertex belongs to no face: remove it, since nothing would hold it"
+            ),
             Self::NonManifoldEdge { ends, first_lines } => write!(
                 f,
                 "the edge between vertices {} and {}, counted from 1, belongs to the faces of lines {} and {} already",
