@@ -383,6 +383,7 @@
 
 mod bodies;
 mod builder;
+mod clock;
 mod constraints;
 mod culled;
 mod culled_substeps;
@@ -391,6 +392,7 @@ mod filter;
 mod forces;
 mod free;
 mod friction;
+mod handed;
 mod last_resort;
 mod mollifier;
 mod near;

@@ -103,6 +103,17 @@ pub trait ContactSource {
         true
     }
 
+    /// Whether a step of `dt` (s) can begin at `time` (s), that of the state: a source with bodies that move by
+    /// themselves has them where the last step has ended, and a state that was put back in time without them, or on,
+    /// would meet them elsewhere. [`StepInput::check`](crate::step::StepInput::check) asks before each step.
+    ///
+    /// # Errors
+    /// [`ContactError::WrongTime`].
+    fn check_time(&self, time: Real, dt: Real) -> Result<(), ContactError> {
+        let _ = (time, dt);
+        Ok(())
+    }
+
     /// How often the last step has truncated the displacement of a vertex: it is safe then, but has not gone as far as
     /// contact would let it, and has lost momentum. A vertex may be counted anew in each round of each substep, so the
     /// sum can be more than there are vertices. 0 for a source that does not do that.
@@ -346,6 +357,13 @@ pub enum ContactError {
         /// The body that it crosses: obstacles first, then animated surfaces; `None` for the cloth itself.
         body: Option<usize>,
     },
+    /// The step does not begin where the last one has left the bodies that move.
+    WrongTime {
+        /// At which time the step begins (s).
+        time: Real,
+        /// At which it would have to (s).
+        expected: Real,
+    },
     /// Prescribed vertices or obstacles leave no path that is free.
     Infeasible {
         /// A vertex that has none.
@@ -392,6 +410,11 @@ impl fmt::Display for ContactError {
                      one with vertices {a}, {b} and {c} of the cloth and one of {other}; untangle them first"
                 )
             }
+            Self::WrongTime { time, expected } => write!(
+                f,
+                "the step begins at {time} s, but moving bodies are where they are at {expected} s: contacts are kept \
+                 and restored together with the state (a clone of both), or told `continue_at` that time"
+            ),
             Self::Infeasible { vertex } => write!(
                 f,
                 "prescribed vertices or obstacles leave no free path to vertex {vertex}"

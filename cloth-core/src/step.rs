@@ -17,6 +17,10 @@ pub trait Stepper: Send + Sync {
 
     /// Advances `state` by `input.dt`.
     ///
+    /// Contacts and air of the input go on with the state, and have one of their own: who keeps a state to come back to
+    /// it keeps them with it. A method goes on from any state, but may take a step from one that it has not left itself
+    /// as the first of all.
+    ///
     /// # Errors
     /// See [`StepError`]; on error `state` is as it was before.
     ///
@@ -172,8 +176,9 @@ impl<'a> StepInput<'a> {
     /// Checks what a caller can get wrong with data; every method calls it first.
     ///
     /// # Errors
-    /// [`StepError::InvalidTimeStep`]; [`StepError::NonFiniteInput`] for gravity, a load, a
-    /// position or a velocity that is not finite.
+    /// [`StepError::InvalidTimeStep`]; [`StepError::InvalidTime`]; [`StepError::NonFiniteInput`] for gravity, a load, a
+    /// position or a velocity that is not finite; [`StepError::Contact`] where contacts do not belong to the time of
+    /// the state ([`ContactSource::check_time`]).
     ///
     /// # Panics
     /// If `state`, the load or the air does not have `vertex_count` entries.
@@ -182,6 +187,9 @@ impl<'a> StepInput<'a> {
         assert_eq!(state.velocities.len(), vertex_count, "number of velocities");
         if !(self.dt > 0.0 && self.dt.is_finite()) {
             return Err(StepError::InvalidTimeStep { dt: self.dt });
+        }
+        if !state.time.is_finite() {
+            return Err(StepError::InvalidTime { time: state.time });
         }
         if !crate::math::is_finite(&self.gravity) {
             return Err(StepError::NonFiniteInput {
@@ -202,13 +210,16 @@ impl<'a> StepInput<'a> {
         if let Some(air) = &self.air {
             assert_eq!(air.forces().len(), vertex_count, "vertices in the air");
         }
-        match state.first_non_finite() {
-            Some(vertex) => Err(StepError::NonFiniteInput {
+        if let Some(vertex) = state.first_non_finite() {
+            return Err(StepError::NonFiniteInput {
                 what: "the state",
                 vertex: Some(vertex),
-            }),
-            None => Ok(()),
+            });
         }
+        let source = self.contacts.as_ref();
+        let fits = source.map_or(Ok(()), |source| source.check_time(state.time, self.dt));
+        let step = state.steps.saturating_add(1);
+        fits.map_err(|reason| StepError::Contact { reason, step })
     }
 
     /// The contacts as constraints, if there are any.
@@ -378,6 +389,11 @@ pub enum StepError {
         /// The step size (s).
         dt: Real,
     },
+    /// The time of the state is NaN or infinite.
+    InvalidTime {
+        /// The time (s).
+        time: Real,
+    },
     /// Something that went in is NaN or infinite.
     NonFiniteInput {
         /// What.
@@ -446,6 +462,10 @@ impl fmt::Display for StepError {
             Self::InvalidTimeStep { dt } => write!(
                 f,
                 "the time step is {dt} s, but it has to be a positive finite number"
+            ),
+            Self::InvalidTime { time } => write!(
+                f,
+                "the time of the state is {time} s, but it has to be a finite number"
             ),
             Self::NonFiniteInput {
                 what,
