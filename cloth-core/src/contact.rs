@@ -6,6 +6,7 @@
 //! its own lets [`Projection`] do all of that at the end of its (sub)step. A method without a source in its
 //! [`StepInput`](crate::step::StepInput) runs no code for contact. The crate `cloth-collide` has the source.
 
+mod borrowed;
 mod global_rows;
 mod truncation;
 
@@ -65,7 +66,7 @@ impl ContactStep<'_> {
 }
 
 /// Whatever the cloth can touch, in the two views that methods have of it. A method takes one of them, and keeps to it
-/// within a step.
+/// within a step. A source that is lent, `&mut` one, is a source too.
 pub trait ContactSource {
     /// Contact as an energy, for a method that takes it into its own solve.
     fn potential(&mut self) -> &mut dyn ContactPotential;
@@ -368,6 +369,11 @@ pub enum ContactError {
     Infeasible {
         /// A vertex that has none.
         vertex: u32,
+        /// Whether it is prescribed (a pin, for instance), so that it cannot give way.
+        is_prescribed: bool,
+        /// A body in its way, or in that of what is in its way: obstacles first, then animated surfaces; `None` if it
+        /// is the cloth alone, or not known.
+        body: Option<usize>,
     },
 }
 
@@ -415,10 +421,18 @@ impl fmt::Display for ContactError {
                 "the step begins at {time} s, but moving bodies are where they are at {expected} s: contacts are kept \
                  and restored together with the state (a clone of both), or told `continue_at` that time"
             ),
-            Self::Infeasible { vertex } => write!(
-                f,
-                "prescribed vertices or obstacles leave no free path to vertex {vertex}"
-            ),
+            Self::Infeasible {
+                vertex,
+                is_prescribed,
+                body,
+            } => {
+                let prescribed = if *is_prescribed { "prescribed " } else { "" };
+                let before = body.map_or(String::new(), |n| format!(" before body {n}"));
+                write!(
+                    f,
+                    "prescribed vertices or obstacles leave no free path to {prescribed}vertex {vertex}{before}"
+                )
+            }
         }
     }
 }

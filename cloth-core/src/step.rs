@@ -1,8 +1,11 @@
 //! The contract between a method and those who run it: one step, what goes in, what comes out.
 
+mod build_error;
+
+pub use build_error::BuildError;
+
 use crate::air::Air;
 use crate::contact::{ContactConstraints, ContactError, ContactPotential, ContactSource};
-use crate::error::OutOfRange;
 use crate::math::{Real, Vec3};
 use crate::particles::State;
 use std::fmt;
@@ -426,6 +429,17 @@ pub enum StepError {
         /// The step, counted from 1.
         step: u64,
     },
+    /// A method that does not damp has made energy in contact, at a step that does not resolve the cloth.
+    EnergyGrowth {
+        /// Kinetic energy before the step (J).
+        before: Real,
+        /// Kinetic energy after it (J).
+        after: Real,
+        /// The most that the cloth had and was given so far (J).
+        given: Real,
+        /// The step, counted from 1.
+        step: u64,
+    },
     /// A matrix that has to be positive definite is not.
     NotPositiveDefinite {
         /// The iteration, counted from 1.
@@ -500,6 +514,16 @@ impl fmt::Display for StepError {
                 f,
                 "in step {step} the cloth moves with {kinetic:.3e} J, but was never given more than {given:.3e} J"
             ),
+            Self::EnergyGrowth {
+                before,
+                after,
+                given,
+                step,
+            } => write!(
+                f,
+                "in step {step} the kinetic energy of the cloth went from {before:.3e} J to {after:.3e} J, but it was \
+                 never given more than {given:.3e} J: take implicit Euler or BDF2, or smaller steps"
+            ),
             Self::NotPositiveDefinite { iteration, step } => write!(
                 f,
                 "the matrix of step {step}, iteration {iteration}, is not positive definite to rounding: where k Δt²/m \
@@ -523,77 +547,3 @@ impl fmt::Display for StepError {
 }
 
 impl std::error::Error for StepError {}
-
-/// Why a solver could not be built.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// An element names a vertex that the particles do not have.
-    NoSuchVertex {
-        /// The element, counted in the order given.
-        element: usize,
-        /// The vertex.
-        vertex: u32,
-        /// How many vertices there are.
-        vertex_count: usize,
-    },
-    /// An element names a vertex twice.
-    RepeatedVertex {
-        /// The element, counted in the order given.
-        element: usize,
-        /// The vertex.
-        vertex: u32,
-    },
-    /// The energy of the elements does not have the form that the method needs.
-    UnsupportedElements {
-        /// What the elements are.
-        elements: &'static str,
-        /// What their energy would have to be.
-        needs: &'static str,
-    },
-    /// A setting lies outside its range.
-    OutOfRange(OutOfRange),
-    /// Two settings exclude each other.
-    SettingsConflict {
-        /// The one, with its value.
-        one: &'static str,
-        /// What it asks of the others.
-        needs: &'static str,
-    },
-    /// The factor of the matrix has more entries than can be counted or kept in memory.
-    MatrixTooLarge,
-}
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSuchVertex {
-                element,
-                vertex,
-                vertex_count,
-            } => write!(
-                f,
-                "element {element} names vertex {vertex}, but there are only {vertex_count} vertices"
-            ),
-            Self::RepeatedVertex { element, vertex } => {
-                write!(f, "element {element} names vertex {vertex} twice")
-            }
-            Self::UnsupportedElements { elements, needs } => {
-                write!(f, "cannot take {elements}: it needs an energy that {needs}")
-            }
-            Self::OutOfRange(error) => error.fmt(f),
-            Self::SettingsConflict { one, needs } => write!(f, "{one} needs {needs}"),
-            Self::MatrixTooLarge => {
-                write!(f, "the factor of the matrix is too large for the memory")
-            }
-        }
-    }
-}
-
-impl std::error::Error for BuildError {}
-
-impl From<OutOfRange> for BuildError {
-    fn from(error: OutOfRange) -> Self {
-        Self::OutOfRange(error)
-    }
-}

@@ -202,7 +202,13 @@ impl LastResort {
             }
             if !is_stopped {
                 self.find_blocked(substep);
-                return Err(ContactError::Infeasible { vertex: first });
+                let own = self.blocked.iter().find(|[vertex, _]| *vertex == first);
+                let blocked = own.or(self.blocked.first());
+                return Err(ContactError::Infeasible {
+                    vertex: first,
+                    is_prescribed: step.inverse_mass[first as usize] == 0.0,
+                    body: blocked.map(|[_, body]| *body as usize),
+                });
             }
             if self.detect(substep, x)? {
                 break;

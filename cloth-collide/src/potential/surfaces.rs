@@ -345,7 +345,7 @@ impl PotentialContacts {
     /// Whether something gives way to the cloth that would have no feasible path without: another free body is halted,
     /// or the cloth passes through a body.
     fn gives_way(&mut self, error: &ContactError) -> bool {
-        if let ContactError::Infeasible { vertex } = error {
+        if let ContactError::Infeasible { vertex, .. } = error {
             let place = self.surfaces.from[*vertex as usize];
             if self.contacts.halt_near(place) || self.contacts.let_pass(&self.surfaces.from) {
                 return true;

@@ -343,6 +343,8 @@ fn elements_of_vertices_that_do_not_exist_and_no_iterations_are_refused() {
         let builder = Builder::new(&particles).energy(vec![link(0, 1), link(1, 2)]);
         let error = builder.config(settings).build().unwrap_err();
         let no_such_vertex = BuildError::NoSuchVertex {
+            kind: "Link",
+            family: Some(0),
             element: 1,
             vertex: 2,
             vertex_count: 2,
@@ -551,7 +553,11 @@ impl ContactConstraints for Noted {
         self.calls.push("end");
         self.ends += 1;
         match self.refused {
-            Some(end) if end == self.ends => Err(ContactError::Infeasible { vertex: 3 }),
+            Some(end) if end == self.ends => Err(ContactError::Infeasible {
+                vertex: 3,
+                is_prescribed: false,
+                body: None,
+            }),
             _ => Ok(()),
         }
     }
@@ -584,7 +590,11 @@ fn contact_constraints_come_last_in_each_sweep_and_are_asked_in_order() {
     };
     let before = state.clone();
     let refused = solver.step(&mut state, StepInput::new(0.5).contacts(&mut noted));
-    let reason = ContactError::Infeasible { vertex: 3 };
+    let reason = ContactError::Infeasible {
+        vertex: 3,
+        is_prescribed: false,
+        body: None,
+    };
     assert_eq!(refused, Err(StepError::Contact { reason, step: 1 }));
     assert_eq!(state, before);
     let substep = ["substep", "sweep", "sweep", "end", "velocities"];
