@@ -41,6 +41,9 @@ pub trait Stepper: Send + Sync {
     /// From the next step on these vertices are prescribed (`true`), or free again. Returns whether the method can take
     /// notice of that as it is; if not, nothing has changed, and it has to be built anew.
     ///
+    /// A prescribed vertex goes on with the velocity that it has in the state: one that is to be held where it is needs
+    /// a velocity of zero there.
+    ///
     /// # Panics
     /// If there is no such vertex.
     fn set_prescribed(&mut self, vertices: &[usize], are_prescribed: bool) -> bool {

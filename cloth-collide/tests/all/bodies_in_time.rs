@@ -191,3 +191,16 @@ fn an_animated_surface_is_nowhere_at_no_time() {
     let one = AnimatedMesh::new(vec![vec![Vec3::zeros()]], 1.0).unwrap();
     one.place(Real::NAN, &mut [Vec3::zeros()]);
 }
+
+#[test]
+fn an_orientation_that_is_no_rotation_is_refused() {
+    let mut motion = RigidMotion::default();
+    let doubled = motion.pose.orientation.into_inner() * 2.0;
+    motion.pose.orientation = nalgebra::Unit::new_unchecked(doubled);
+    let refused = Obstacle::moving(Sphere::new(1.0).unwrap(), motion).unwrap_err();
+    assert!(
+        refused
+            .to_string()
+            .contains("length of the quaternion of an obstacle is 2")
+    );
+}

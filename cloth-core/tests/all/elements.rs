@@ -267,5 +267,8 @@ fn an_element_that_names_a_vertex_twice_is_refused() {
     let spring = |vertices| Spring { vertices, ..SPRING };
     let springs = vec![spring([0, 1]), spring([1, 1])];
     let refused = Energies::new(2).with(springs).unwrap_err();
-    assert_eq!(refused.to_string(), "element 1 names vertex 1 twice");
+    assert_eq!(
+        refused.to_string(),
+        "element 1 of family 0 (Spring) names vertex 1 twice"
+    );
 }

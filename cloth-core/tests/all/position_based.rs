@@ -314,6 +314,14 @@ fn bad_input_is_refused_and_the_state_left_alone() {
         assert!(matches!(error, StepError::InvalidTimeStep { .. }));
         assert_eq!(state, good);
     }
+    for time in [Real::NAN, Real::INFINITY] {
+        let mut late = good.clone();
+        late.time = time;
+        let error = solver.step(&mut late, StepInput::new(0.01)).unwrap_err();
+        let named = format!("the time of the state is {time} s");
+        assert!(error.to_string().starts_with(&named), "{error}");
+        assert_eq!((late.positions, late.steps), (good.positions.clone(), 0));
+    }
     let mut broken = good.clone();
     broken.velocities[1].y = Real::NAN;
     let error = solver.step(&mut broken, StepInput::new(0.01)).unwrap_err();
@@ -343,7 +351,7 @@ fn elements_of_vertices_that_do_not_exist_and_no_iterations_are_refused() {
         let builder = Builder::new(&particles).energy(vec![link(0, 1), link(1, 2)]);
         let error = builder.config(settings).build().unwrap_err();
         let no_such_vertex = BuildError::NoSuchVertex {
-            kind: "Link",
+            kind: "Spring",
             family: Some(0),
             element: 1,
             vertex: 2,
