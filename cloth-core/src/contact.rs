@@ -418,8 +418,9 @@ impl fmt::Display for ContactError {
             }
             Self::WrongTime { time, expected } => write!(
                 f,
-                "the step begins at {time} s, but moving bodies are where they are at {expected} s: contacts are kept \
-                 and restored together with the state (a clone of both), or told `continue_at` that time"
+                "the step begins at {time} s, but moving bodies are where they are at {expected} s: contacts belong \
+                 to the state that they have come with: restore them together with it, build them anew at its time, or \
+                 tell them `continue_at` where bodies are to stay"
             ),
             Self::Infeasible {
                 vertex,

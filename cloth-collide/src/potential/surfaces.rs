@@ -100,6 +100,15 @@ const NO_TIME: Real = 1e-12;
 /// assert!((x[12].z + 0.01 - h + mass * 9.81 / (1e6 * area)).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// # To come back to a state
+///
+/// Contact has a state of its own: where bodies are and how they move, how far friction is stretched, and what is known
+/// to be free of crossings. It goes on with the state of the cloth, and a cloth that is put back alone would meet
+/// bodies elsewhere: with moving ones, a state of another time is refused ([`ContactError::WrongTime`]).
+/// [`take_back`](Self::take_back) undoes the last step of a method that minimises, and
+/// [`begins_at`](PotentialBuilder::begins_at) builds contact anew for a later time. A method may have a memory too
+/// ([`Stepper::step`](cloth_core::step::Stepper::step)).
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
