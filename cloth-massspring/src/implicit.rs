@@ -181,13 +181,13 @@ pub struct ImplicitEuler(Implicit);
 ///
 /// Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.
 ///
-/// Contact acts at the end of the step, and takes up motion as in implicit Euler: what it stops does not bounce. But the
-/// ringing grows faster in it. Where the cloth in contact moves with more than a hundred times the energy that it had
-/// and was given, the step is refused, [`StepError::EnergyGrowth`]; in air it is not looked at. Contacts have ended that
-/// step: to take it again by another method, take it back there too (`PotentialContacts::take_back`).
+/// Contact acts at the end of the step, and takes up motion as in implicit Euler: what it stops does not bounce. But
+/// the ringing grows faster in it. Where the cloth in contact moves with more than a hundred times the energy that it
+/// had and was given, the step is refused, [`StepError::EnergyGrowth`]; in air it is not looked at. Contacts have
+/// ended that step: to take it again by another method, take it back there too (`PotentialContacts::take_back`).
 ///
-/// Other errors, and the residual, are those of [`ImplicitEuler`], for the stage in the middle. An observer is shown positions in
-/// the middle too.
+/// Other errors, and the residual, are those of [`ImplicitEuler`], for the stage in the middle. An observer is shown
+/// positions in the middle too.
 ///
 /// E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, II.1.1,
 /// <https://doi.org/10.1007/3-540-30666-8>.

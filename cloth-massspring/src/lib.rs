@@ -398,9 +398,9 @@
 //!   (already by `energy`), a matrix too large for its indices.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, if an input or the result is not
 //!   finite (the vertex is named), if an explicit step exceeds the stability limit or gains energy
-//!   ([`StabilityCheck`]), if the midpoint rule gains it in contact, if no descent is possible, if a matrix is not positive definite that has to be
-//!   ([`StepError::NotPositiveDefinite`]), if contact cannot be resolved, or not felt ([`StepError::ContactNotFelt`],
-//!   [`Solve::Newton`]). The state is then what it was before the step.
+//!   ([`StabilityCheck`]), if the midpoint rule gains it in contact, if no descent is possible, if a matrix is not
+//!   positive definite that has to be ([`StepError::NotPositiveDefinite`]), if contact cannot be resolved, or not felt
+//!   ([`StepError::ContactNotFelt`], [`Solve::Newton`]). The state is then what it was before the step.
 //! - **A state of the wrong length** is a bug of the caller and panics.
 //! - **Odd cloth is no error**: springs whose ends coincide get some direction and unfold, a vertex without elements
 //!   falls freely, cloth that is prescribed everywhere only moves its pins (`tests/chapter/special.rs`); inverted
