@@ -82,6 +82,38 @@ impl Default for Box<dyn BroadPhase> {
     }
 }
 
+/// One of the kinds, whose copy is a new one: it finds the same.
+#[derive(Debug)]
+pub(crate) struct OfKind {
+    kind: BroadPhaseKind,
+    broad_phase: Box<dyn BroadPhase>,
+}
+
+impl OfKind {
+    pub(crate) fn new(kind: BroadPhaseKind) -> Self {
+        let broad_phase = kind.create();
+        Self { kind, broad_phase }
+    }
+}
+
+impl Default for OfKind {
+    fn default() -> Self {
+        Self::new(BroadPhaseKind::default())
+    }
+}
+
+impl Clone for OfKind {
+    fn clone(&self) -> Self {
+        Self::new(self.kind)
+    }
+}
+
+impl BroadPhase for OfKind {
+    fn overlapping(&mut self, boxes: &[Bounds], out: &mut Vec<[u32; 2]>) {
+        self.broad_phase.overlapping(boxes, out);
+    }
+}
+
 /// A broad phase chosen when the program runs.
 impl<B: BroadPhase + ?Sized> BroadPhase for Box<B> {
     fn overlapping(&mut self, boxes: &[Bounds], out: &mut Vec<[u32; 2]>) {

@@ -75,11 +75,12 @@
 //! the mesh a [`BuildError`](cloth_core::step::BuildError) that names the setting and its range. In a step,
 //! [`ContactError`](cloth_core::contact::ContactError) says what it cannot work with (the number of vertices, the step
 //! size, a mass, a position that is not finite) and what it cannot keep: a start that crosses already
-//! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no place (`Infeasible`, with the vertex,
-//! unless pinched cloth may pass). The caller keeps the state that it had. Outside of steps, slices of another length
-//! than the mesh has vertices, and triangles of vertices without a position, panic where `# Panics` says so;
-//! coordinates and settings panic nowhere. A triangle that has lost its area in motion is a segment or a point for the
-//! distances, the continuous test and the exact one, and is kept apart like any other.
+//! (`IntersectingStart`, see [`untangle`]), a state of another time than moving bodies (`WrongTime`), or two bodies
+//! that leave the cloth no place (`Infeasible`, with the vertex and a body, unless pinched cloth may pass). The caller
+//! keeps the state that it had. Outside of steps, slices of another length than the mesh has vertices, and triangles
+//! of vertices without a position, panic where `# Panics` says so; coordinates and settings panic nowhere. A triangle
+//! that has lost its area in motion is a segment or a point for the distances, the continuous test and the exact one,
+//! and is kept apart like any other.
 //!
 //! # Threads
 //!

@@ -242,6 +242,7 @@
 //! | a rigid mesh of many triangles | a [`SampledDistance`](crate::obstacle::SampledDistance), off by a quarter of its spacing at edges, with the surface |
 //! | a rigid mesh that is open, or goes through itself | [`SurfaceOnly`](crate::obstacle::SurfaceOnly), with the surface |
 //! | a body that deforms | [`animated`](PotentialBuilder::animated) |
+//! | one whose shapes are not known in advance | the same, and [`set_shape`](PotentialContacts::set_shape) before each step |
 //! | a sheet that cannot reach itself | [`self_collision(false)`](PotentialBuilder::self_collision) |
 //! | pieces sewn together, or layers that may pass | [`sew`](PotentialBuilder::sew), [`exclude`](PotentialBuilder::exclude) |
 //!
@@ -384,6 +385,7 @@
 
 mod bodies;
 mod builder;
+mod clock;
 mod constraints;
 mod culled;
 mod culled_substeps;
@@ -392,6 +394,7 @@ mod filter;
 mod forces;
 mod free;
 mod friction;
+mod handed;
 mod last_resort;
 mod mollifier;
 mod near;

@@ -302,7 +302,7 @@ impl ClothModel {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element was changed to name a vertex that
-    /// does not exist, or one twice.
+    /// does not exist, or one twice; [`BuildError::InvalidElement`] for a number of one.
     pub fn energies(&self) -> Result<Energies, BuildError> {
         Energies::new(self.particles.len()).with_elements(self.families())
     }

@@ -6,6 +6,7 @@
 //! its own lets [`Projection`] do all of that at the end of its (sub)step. A method without a source in its
 //! [`StepInput`](crate::step::StepInput) runs no code for contact. The crate `cloth-collide` has the source.
 
+mod borrowed;
 mod global_rows;
 mod truncation;
 
@@ -65,7 +66,7 @@ impl ContactStep<'_> {
 }
 
 /// Whatever the cloth can touch, in the two views that methods have of it. A method takes one of them, and keeps to it
-/// within a step.
+/// within a step. A source that is lent, `&mut` one, is a source too.
 pub trait ContactSource {
     /// Contact as an energy, for a method that takes it into its own solve.
     fn potential(&mut self) -> &mut dyn ContactPotential;
@@ -101,6 +102,17 @@ pub trait ContactSource {
     /// Whether there is anything to touch. If not, a step is one without contact.
     fn can_touch(&self) -> bool {
         true
+    }
+
+    /// Whether a step of `dt` (s) can begin at `time` (s), that of the state: a source with bodies that move by
+    /// themselves has them where the last step has ended, and a state that was put back in time without them, or on,
+    /// would meet them elsewhere. [`StepInput::check`](crate::step::StepInput::check) asks before each step.
+    ///
+    /// # Errors
+    /// [`ContactError::WrongTime`].
+    fn check_time(&self, time: Real, dt: Real) -> Result<(), ContactError> {
+        let _ = (time, dt);
+        Ok(())
     }
 
     /// How often the last step has truncated the displacement of a vertex: it is safe then, but has not gone as far as
@@ -346,10 +358,22 @@ pub enum ContactError {
         /// The body that it crosses: obstacles first, then animated surfaces; `None` for the cloth itself.
         body: Option<usize>,
     },
+    /// The step does not begin where the last one has left the bodies that move.
+    WrongTime {
+        /// At which time the step begins (s).
+        time: Real,
+        /// At which it would have to (s).
+        expected: Real,
+    },
     /// Prescribed vertices or obstacles leave no path that is free.
     Infeasible {
         /// A vertex that has none.
         vertex: u32,
+        /// Whether it is prescribed (a pin, for instance), so that it cannot give way.
+        is_prescribed: bool,
+        /// A body in its way, or in that of what is in its way: obstacles first, then animated surfaces; `None` if it
+        /// is the cloth alone, or not known.
+        body: Option<usize>,
     },
 }
 
@@ -392,10 +416,24 @@ impl fmt::Display for ContactError {
                      one with vertices {a}, {b} and {c} of the cloth and one of {other}; untangle them first"
                 )
             }
-            Self::Infeasible { vertex } => write!(
+            Self::WrongTime { time, expected } => write!(
                 f,
-                "prescribed vertices or obstacles leave no free path to vertex {vertex}"
+                "the step begins at {time} s, but moving bodies are where they are at {expected} s: contacts belong \
+                 to the state that they have come with: restore them together with it, build them anew at its time, or \
+                 tell them `continue_at` where bodies are to stay"
             ),
+            Self::Infeasible {
+                vertex,
+                is_prescribed,
+                body,
+            } => {
+                let prescribed = if *is_prescribed { "prescribed " } else { "" };
+                let before = body.map_or(String::new(), |n| format!(" before body {n}"));
+                write!(
+                    f,
+                    "prescribed vertices or obstacles leave no free path to {prescribed}vertex {vertex}{before}"
+                )
+            }
         }
     }
 }

@@ -63,6 +63,7 @@ mod sweep_forms;
 pub use sweep_forms::{DeadZoneRow, RowForm, UnitRow, VectorRow};
 
 use crate::cloth::Elements;
+use crate::error::OutOfRange;
 use crate::math::{Blocks, Mat3, Real, Vec3};
 use std::fmt::Debug;
 
@@ -79,6 +80,18 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
     /// change, nor do the vertices. Elements whose rest data are constant leave it out.
     fn set_time(&mut self, time: Real) {
         let _ = time;
+    }
+
+    /// Whether its numbers are in their range; every builder asks ([`check_vertices`]). Those of this crate refuse a
+    /// stiffness that is not a number and rest data that are not finite. A negative stiffness is left to the methods,
+    /// some of which can take it.
+    ///
+    /// # Errors
+    /// The first that is not.
+    ///
+    /// [`check_vertices`]: crate::method::family::check_vertices
+    fn check(&self) -> Result<(), OutOfRange> {
+        Ok(())
     }
 
     /// Whether a preconditioner takes it by [`Convexity::GaussNewton`], whatever is asked for, since its eigenvalues

@@ -73,6 +73,14 @@ pub fn finite(name: &'static str, value: Real) -> Result<Real, OutOfRange> {
     within(value.is_finite(), name, value, "a finite number")
 }
 
+/// The value if it is a number, which may be infinite.
+///
+/// # Errors
+/// [`OutOfRange`] if not.
+pub fn number(name: &'static str, value: Real) -> Result<Real, OutOfRange> {
+    within(!value.is_nan(), name, value, "a number")
+}
+
 /// The count if it is not 0.
 ///
 /// # Errors

@@ -88,7 +88,8 @@ impl Pins {
         self.paths.is_empty()
     }
 
-    /// Prescribes `vertex` in `particles` and makes it follow `path` (time in s to position in m).
+    /// Prescribes `vertex` in `particles` and makes it follow `path` (time in s to position in m), in place of one that
+    /// it may have followed before.
     ///
     /// # Errors
     /// [`ParticleError::NoSuchVertex`].
@@ -99,6 +100,7 @@ impl Pins {
         path: impl Fn(Real) -> Vec3 + Send + Sync + 'static,
     ) -> Result<(), ParticleError> {
         particles.prescribe(vertex)?;
+        self.paths.retain(|(held, _)| *held != vertex);
         self.paths.push((vertex, Arc::new(path)));
         Ok(())
     }

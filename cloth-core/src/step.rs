@@ -1,8 +1,11 @@
 //! The contract between a method and those who run it: one step, what goes in, what comes out.
 
+mod build_error;
+
+pub use build_error::BuildError;
+
 use crate::air::Air;
 use crate::contact::{ContactConstraints, ContactError, ContactPotential, ContactSource};
-use crate::error::OutOfRange;
 use crate::math::{Real, Vec3};
 use crate::particles::State;
 use std::fmt;
@@ -16,6 +19,10 @@ pub trait Stepper: Send + Sync {
     fn name(&self) -> &'static str;
 
     /// Advances `state` by `input.dt`.
+    ///
+    /// Contacts and air of the input go on with the state, and have one of their own: who keeps a state to come back to
+    /// it keeps them with it. A method goes on from any state, but may take a step from one that it has not left itself
+    /// as the first of all.
     ///
     /// # Errors
     /// See [`StepError`]; on error `state` is as it was before.
@@ -33,6 +40,9 @@ pub trait Stepper: Send + Sync {
 
     /// From the next step on these vertices are prescribed (`true`), or free again. Returns whether the method can take
     /// notice of that as it is; if not, nothing has changed, and it has to be built anew.
+    ///
+    /// A prescribed vertex goes on with the velocity that it has in the state: one that is to be held where it is needs
+    /// a velocity of zero there.
     ///
     /// # Panics
     /// If there is no such vertex.
@@ -172,8 +182,9 @@ impl<'a> StepInput<'a> {
     /// Checks what a caller can get wrong with data; every method calls it first.
     ///
     /// # Errors
-    /// [`StepError::InvalidTimeStep`]; [`StepError::NonFiniteInput`] for gravity, a load, a
-    /// position or a velocity that is not finite.
+    /// [`StepError::InvalidTimeStep`]; [`StepError::InvalidTime`]; [`StepError::NonFiniteInput`] for gravity, a load, a
+    /// position or a velocity that is not finite; [`StepError::Contact`] where contacts do not belong to the time of
+    /// the state ([`ContactSource::check_time`]).
     ///
     /// # Panics
     /// If `state`, the load or the air does not have `vertex_count` entries.
@@ -182,6 +193,9 @@ impl<'a> StepInput<'a> {
         assert_eq!(state.velocities.len(), vertex_count, "number of velocities");
         if !(self.dt > 0.0 && self.dt.is_finite()) {
             return Err(StepError::InvalidTimeStep { dt: self.dt });
+        }
+        if !state.time.is_finite() {
+            return Err(StepError::InvalidTime { time: state.time });
         }
         if !crate::math::is_finite(&self.gravity) {
             return Err(StepError::NonFiniteInput {
@@ -202,13 +216,16 @@ impl<'a> StepInput<'a> {
         if let Some(air) = &self.air {
             assert_eq!(air.forces().len(), vertex_count, "vertices in the air");
         }
-        match state.first_non_finite() {
-            Some(vertex) => Err(StepError::NonFiniteInput {
+        if let Some(vertex) = state.first_non_finite() {
+            return Err(StepError::NonFiniteInput {
                 what: "the state",
                 vertex: Some(vertex),
-            }),
-            None => Ok(()),
+            });
         }
+        let source = self.contacts.as_ref();
+        let fits = source.map_or(Ok(()), |source| source.check_time(state.time, self.dt));
+        let step = state.steps.saturating_add(1);
+        fits.map_err(|reason| StepError::Contact { reason, step })
     }
 
     /// The contacts as constraints, if there are any.
@@ -378,6 +395,11 @@ pub enum StepError {
         /// The step size (s).
         dt: Real,
     },
+    /// The time of the state is NaN or infinite.
+    InvalidTime {
+        /// The time (s).
+        time: Real,
+    },
     /// Something that went in is NaN or infinite.
     NonFiniteInput {
         /// What.
@@ -406,6 +428,17 @@ pub enum StepError {
         /// Its kinetic energy (J).
         kinetic: Real,
         /// The most that it was given by its start, external forces, pins and moving bodies (J).
+        given: Real,
+        /// The step, counted from 1.
+        step: u64,
+    },
+    /// A method that does not damp has made energy in contact, at a step that does not resolve the cloth.
+    EnergyGrowth {
+        /// Kinetic energy before the step (J).
+        before: Real,
+        /// Kinetic energy after it (J).
+        after: Real,
+        /// The most that the cloth had and was given so far (J).
         given: Real,
         /// The step, counted from 1.
         step: u64,
@@ -447,6 +480,10 @@ impl fmt::Display for StepError {
                 f,
                 "the time step is {dt} s, but it has to be a positive finite number"
             ),
+            Self::InvalidTime { time } => write!(
+                f,
+                "the time of the state is {time} s, but it has to be a finite number"
+            ),
             Self::NonFiniteInput {
                 what,
                 vertex: Some(vertex),
@@ -480,6 +517,16 @@ impl fmt::Display for StepError {
                 f,
                 "in step {step} the cloth moves with {kinetic:.3e} J, but was never given more than {given:.3e} J"
             ),
+            Self::EnergyGrowth {
+                before,
+                after,
+                given,
+                step,
+            } => write!(
+                f,
+                "in step {step} the kinetic energy of the cloth went from {before:.3e} J to {after:.3e} J, but it was \
+                 never given more than {given:.3e} J: take implicit Euler or BDF2, or smaller steps"
+            ),
             Self::NotPositiveDefinite { iteration, step } => write!(
                 f,
                 "the matrix of step {step}, iteration {iteration}, is not positive definite to rounding: where k Δt²/m \
@@ -503,77 +550,3 @@ impl fmt::Display for StepError {
 }
 
 impl std::error::Error for StepError {}
-
-/// Why a solver could not be built.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// An element names a vertex that the particles do not have.
-    NoSuchVertex {
-        /// The element, counted in the order given.
-        element: usize,
-        /// The vertex.
-        vertex: u32,
-        /// How many vertices there are.
-        vertex_count: usize,
-    },
-    /// An element names a vertex twice.
-    RepeatedVertex {
-        /// The element, counted in the order given.
-        element: usize,
-        /// The vertex.
-        vertex: u32,
-    },
-    /// The energy of the elements does not have the form that the method needs.
-    UnsupportedElements {
-        /// What the elements are.
-        elements: &'static str,
-        /// What their energy would have to be.
-        needs: &'static str,
-    },
-    /// A setting lies outside its range.
-    OutOfRange(OutOfRange),
-    /// Two settings exclude each other.
-    SettingsConflict {
-        /// The one, with its value.
-        one: &'static str,
-        /// What it asks of the others.
-        needs: &'static str,
-    },
-    /// The factor of the matrix has more entries than can be counted or kept in memory.
-    MatrixTooLarge,
-}
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSuchVertex {
-                element,
-                vertex,
-                vertex_count,
-            } => write!(
-                f,
-                "element {element} names vertex {vertex}, but there are only {vertex_count} vertices"
-            ),
-            Self::RepeatedVertex { element, vertex } => {
-                write!(f, "element {element} names vertex {vertex} twice")
-            }
-            Self::UnsupportedElements { elements, needs } => {
-                write!(f, "cannot take {elements}: it needs an energy that {needs}")
-            }
-            Self::OutOfRange(error) => error.fmt(f),
-            Self::SettingsConflict { one, needs } => write!(f, "{one} needs {needs}"),
-            Self::MatrixTooLarge => {
-                write!(f, "the factor of the matrix is too large for the memory")
-            }
-        }
-    }
-}
-
-impl std::error::Error for BuildError {}
-
-impl From<OutOfRange> for BuildError {
-    fn from(error: OutOfRange) -> Self {
-        Self::OutOfRange(error)
-    }
-}

@@ -41,6 +41,7 @@ mod bdf2;
 mod builder;
 mod damper;
 mod drift;
+mod energy_guard;
 mod line_search;
 mod linearized;
 mod minimizer;
@@ -49,6 +50,7 @@ mod progress;
 mod quasi_newton;
 mod stage;
 mod system;
+mod work;
 
 pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;
@@ -63,6 +65,7 @@ use cloth_core::method::family::Energies;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 use damper::Damper;
+use energy_guard::{Ended, EnergyGuard};
 use minimizer::{Minimizer, Task};
 use stage::Stage;
 
@@ -178,10 +181,13 @@ pub struct ImplicitEuler(Implicit);
 ///
 /// Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.
 ///
-/// Contact acts at the end of the step, and takes up motion as in implicit Euler: what it stops does not bounce.
+/// Contact acts at the end of the step, and takes up motion as in implicit Euler: what it stops does not bounce. But
+/// the ringing grows faster in it. Where the cloth in contact moves with more than a hundred times the energy that it
+/// had and was given, the step is refused, [`StepError::EnergyGrowth`]; in air it is not looked at. Contacts have
+/// ended that step: to take it again by another method, take it back there too (`PotentialContacts::take_back`).
 ///
-/// Errors and residual are those of [`ImplicitEuler`], for the stage in the middle. An observer is shown positions in
-/// the middle too.
+/// Other errors, and the residual, are those of [`ImplicitEuler`], for the stage in the middle. An observer is shown
+/// positions in the middle too.
 ///
 /// E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, II.1.1,
 /// <https://doi.org/10.1007/3-540-30666-8>.
@@ -300,6 +306,7 @@ struct Implicit {
     minimizer: Minimizer,
     /// For contact at the end of a step that is solved for its middle.
     end_contact: EndContactMemory,
+    guard: EnergyGuard,
 }
 
 impl Implicit {
@@ -340,10 +347,18 @@ impl Implicit {
             TimePoint::End => input.dt,
             TimePoint::Middle => 0.5 * input.dt,
         };
+        let is_middle = interval.at == TimePoint::Middle;
+        let is_guarded = is_middle && input.contacts.is_some() && input.air.is_none();
+        match is_guarded {
+            true => (self.guard).begin(&self.particles, state, &self.predicted),
+            false => self.guard.forget(),
+        }
+        let of_time = self.energies.timed_value(&state.positions);
         self.energies.set_time(state.time + until_then);
+        self.guard
+            .add(self.energies.timed_value(&state.positions) - of_time);
         // 1/(1 + ατ). (The drag of `input.air` is another one, D.)
         let slowing = 1.0 / (1.0 + self.config.damping.air_drag * interval.tau);
-        let is_middle = interval.at == TimePoint::Middle;
         let from_elsewhere = is_middle && !self.continues(state);
         self.predict(state, input, interval, slowing, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
@@ -445,14 +460,29 @@ impl Implicit {
             let w = self.particles.inverse_mass();
             air.end(&self.predicted, &self.constant_velocity_positions, w);
         }
-        if let Some(contact) = input.contacts.take().map(|source| source.potential()) {
+        if let Some(source) = input.contacts.take() {
             let (x, v) = (&mut self.predicted, &mut self.base);
+            let contact = source.potential();
             if is_middle {
                 let w = self.particles.inverse_mass();
                 self.end_contact
                     .correct_velocities(contact, x, w, input.dt, v);
             }
             contact.end(x, v);
+            let (of_contact, stored) = (source.work(), source.potential_energy());
+            if is_middle && input.air.is_none() {
+                let work = of_contact + report.pin_work.unwrap_or(0.0);
+                self.guard.end(&Ended {
+                    particles: &self.particles,
+                    energies: &self.energies,
+                    positions: &self.predicted,
+                    velocities: &self.base,
+                    dt: input.dt,
+                    work: work + self.steady_work(state, input),
+                    stored,
+                    step,
+                })?;
+            }
         }
         state.positions.copy_from_slice(&self.predicted);
         state.velocities.copy_from_slice(&self.base);
@@ -528,33 +558,6 @@ impl Implicit {
                 StartGuess::Predicted => *start = self.predicted[vertex],
             }
         }
-    }
-
-    /// Work (J) of prescribed vertices, by the forces that the stage ends with, and these to `input`, where the step
-    /// tells them; no work where no vertex moves.
-    fn pin_work(&mut self, state: &State, input: &mut StepInput<'_>, tells: bool) -> Option<Real> {
-        let held = (0..self.particles.len()).filter(|&v| self.particles.is_prescribed(v));
-        let moves = held.clone().any(|v| state.velocities[v] != Vec3::zeros());
-        if !moves && !tells {
-            return None;
-        }
-        let (x, forces) = (
-            &self.minimizer.current.positions,
-            &mut self.minimizer.next.gradient,
-        );
-        forces.fill(Vec3::zeros());
-        self.energies.add_gradient(x, forces);
-        if let Some(damper) = &self.damper {
-            damper.add_gradient(x, forces);
-        }
-        let mut work = 0.0;
-        for v in held {
-            work += forces[v].dot(&state.velocities[v]) * input.dt;
-            if tells {
-                input.add_pin_force(v, -forces[v]);
-            }
-        }
-        moves.then_some(work)
     }
 
     /// Whether the state is the one that the last step left.

@@ -398,9 +398,9 @@
 //!   (already by `energy`), a matrix too large for its indices.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, if an input or the result is not
 //!   finite (the vertex is named), if an explicit step exceeds the stability limit or gains energy
-//!   ([`StabilityCheck`]), if no descent is possible, if a matrix is not positive definite that has to be
-//!   ([`StepError::NotPositiveDefinite`]), if contact cannot be resolved, or not felt ([`StepError::ContactNotFelt`],
-//!   [`Solve::Newton`]). The state is then what it was before the step.
+//!   ([`StabilityCheck`]), if the midpoint rule gains it in contact, if no descent is possible, if a matrix is not
+//!   positive definite that has to be ([`StepError::NotPositiveDefinite`]), if contact cannot be resolved, or not felt
+//!   ([`StepError::ContactNotFelt`], [`Solve::Newton`]). The state is then what it was before the step.
 //! - **A state of the wrong length** is a bug of the caller and panics.
 //! - **Odd cloth is no error**: springs whose ends coincide get some direction and unfold, a vertex without elements
 //!   falls freely, cloth that is prescribed everywhere only moves its pins (`tests/chapter/special.rs`); inverted
@@ -486,7 +486,7 @@
 //! | seconds of motion at little cost, nothing touched | [`ImplicitConfig::truncated`] |
 //! | the least cost of a step, slow or taut cloth | [`ImplicitConfig::linearized`] |
 //! | cloth that stiffens or must not stretch beyond a bound | [below](#strain-limits) |
-//! | little numerical damping at large steps | [`Bdf2`], best above 11 steps a period |
+//! | little numerical damping at large steps | [`Bdf2`], best above 11 steps a period; at another Δt, implicit Euler |
 //! | motion resolved by the step, energy or angular momentum kept | [`ImplicitMidpoint`], [`SymplecticEuler`] |
 //! | soft or coarse cloth, `Δt < 2/ω_max` anyway | [`SymplecticEuler`] |
 //!

@@ -127,7 +127,7 @@ use cloth_core::element::{Element, Projective};
 use cloth_core::error::not_negative;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::block_matrix::BlockPattern;
-use cloth_core::method::family::check_vertices;
+use cloth_core::method::family::{check_vertices, invalid_element};
 use cloth_core::method::multigrid::Prolongation;
 use cloth_core::method::parallel::wide;
 use cloth_core::particles::Particles;
@@ -198,8 +198,9 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
     /// weight are checked, and nothing else: not the sign of a rest length, for instance.
     pub(crate) fn new(mut elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
         check_vertices(&elements, particles.len())?;
-        for element in &elements {
-            not_negative("the weight of an element", element.weight())?;
+        for (number, element) in elements.iter().enumerate() {
+            let weight = not_negative("weight of an element", element.weight());
+            weight.map_err(|reason| invalid_element::<E>(number, reason))?;
         }
         let mut slots = vec![Slot::Weightless; elements.len()];
         let numbered = (0u32..).zip(&elements);

@@ -260,7 +260,8 @@ impl SingleBuilder {
         if self.error.is_none() {
             let count = self.solver.motion.vertex_count();
             let family = cloth_core::method::family::check_vertices(elements, count)
-                .and_then(|()| family(count));
+                .and_then(|()| family(count))
+                .map_err(|error| error.in_family(self.solver.families.len()));
             match family {
                 Ok(family) => self.solver.families.push(family),
                 Err(error) => self.error = Some(error),
@@ -280,6 +281,7 @@ impl SingleBuilder {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchVertex`]; [`BuildError::RepeatedVertex`];
+    /// [`BuildError::InvalidElement`];
     /// [`BuildError::SettingsConflict`] and [`BuildError::UnsupportedElements`] for elements that are not a vector row;
     /// the former also where rest data change with time.
     pub fn build(self) -> Result<SingleXpbd, BuildError> {

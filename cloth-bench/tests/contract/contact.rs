@@ -105,7 +105,11 @@ fn variants() -> impl Iterator<Item = (&'static Method, Settings)> {
 #[test]
 fn a_step_that_contact_refuses_has_not_happened() {
     let scene = scene("hang", &["n=5"]);
-    let reason = ContactError::Infeasible { vertex: 7 };
+    let reason = ContactError::Infeasible {
+        vertex: 7,
+        is_prescribed: false,
+        body: None,
+    };
     let expected = StepError::Contact {
         reason: reason.clone(),
         step: 1,

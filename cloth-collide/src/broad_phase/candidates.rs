@@ -45,7 +45,7 @@ use cloth_core::mesh::TriMesh;
 /// assert_eq!(candidates.edge_edge().len(), 9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ClothCandidates<B> {
     incidence: Incidence,
     vertex_boxes: Vec<Bounds>,

@@ -20,6 +20,16 @@ pub struct Hierarchy {
     workspace: BvhWorkspace,
 }
 
+impl Clone for Hierarchy {
+    fn clone(&self) -> Self {
+        Self {
+            tree: self.tree.clone(),
+            leaf_count: self.leaf_count,
+            workspace: BvhWorkspace::default(),
+        }
+    }
+}
+
 impl Hierarchy {
     /// A tree whose shape suits `boxes`, finite ones.
     #[must_use]

@@ -15,7 +15,7 @@ use cloth_core::mesh::TriMesh;
 ///
 /// Limits: where the rest shape has many pieces in one place (a garment as a stack of flat patterns), the
 /// tree mixes the pieces and is slow, not wrong.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct TrianglePairs<B = Hierarchy> {
     pub(crate) triangles: Vec<[u32; 3]>,
     vertex_count: usize,

@@ -61,8 +61,12 @@ impl AnimatedMesh {
     /// Writes where the vertices are at `time` (s) to `out` (m).
     ///
     /// # Panics
-    /// If there is not one place per vertex.
+    /// If there is not one place per vertex, or the time is not a number.
     pub fn place(&self, time: Real, out: &mut [Vec3]) {
+        assert!(
+            !time.is_nan(),
+            "the time of an animated surface is {time} s"
+        );
         assert_eq!(out.len(), self.vertex_count(), "one place a vertex");
         let last = self.shapes.len() - 1;
         let place = (time / self.interval).clamp(0.0, last as Real);

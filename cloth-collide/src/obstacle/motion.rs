@@ -1,8 +1,12 @@
 //! Where a rigid body is, and how it moves.
 
 use super::{ObstacleError, finite};
+use cloth_core::error::within;
 use cloth_core::math::{Real, Vec3};
 use nalgebra::UnitQuaternion;
+
+/// How far the length of a quaternion may be from 1.
+const UNIT: Real = 1e-6;
 
 /// Place of a rigid body: x = p + R y takes a point y (m) of its own frame into the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,13 +99,18 @@ impl RigidMotion {
         self.velocity == Vec3::zeros() && self.angular_velocity == Vec3::zeros()
     }
 
-    /// The motion, if all its numbers are finite.
+    /// The motion, if all its numbers are finite and its orientation is a rotation.
     pub(super) fn checked(self) -> Result<Self, ObstacleError> {
         finite("position of an obstacle", self.pose.position)?;
         finite("velocity of an obstacle", self.velocity)?;
         finite("angular velocity of an obstacle", self.angular_velocity)?;
         let turned = self.pose.orientation * Vec3::new(1.0, 1.0, 1.0);
         finite("orientation of an obstacle", turned)?;
+        let (name, length) = (
+            "length of the quaternion of an obstacle",
+            self.pose.orientation.quaternion().norm(),
+        );
+        within((length - 1.0).abs() < UNIT, name, length, "1")?;
         Ok(self)
     }
 }

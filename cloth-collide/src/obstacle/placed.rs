@@ -50,7 +50,8 @@ impl Obstacle {
     /// Replaces the motion. Its time starts at 0 again.
     ///
     /// # Errors
-    /// [`ObstacleError::NonFinite`]. The obstacle then moves as before.
+    /// [`ObstacleError::NonFinite`], or [`ObstacleError::OutOfRange`] for a quaternion that is not of unit length. The
+    /// obstacle then moves as before.
     pub fn set_motion(&mut self, motion: RigidMotion) -> Result<(), ObstacleError> {
         self.motion = motion.checked()?;
         Ok(())

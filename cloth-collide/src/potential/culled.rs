@@ -3,7 +3,7 @@
 use cloth_core::math::Real;
 
 /// Pairs with the excess gap (m) at which they were found.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct CulledPairs<P> {
     /// Excess gap of each (m), apart from the pairs, because that is all that is asked of most of them.
     excess: Vec<Real>,

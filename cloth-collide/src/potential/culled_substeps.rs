@@ -7,7 +7,7 @@ use cloth_core::method::parallel::wide;
 const SAMPLES: usize = 16;
 
 /// Where the cloth was when it was known that nothing is near, and how far it may go.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct CulledSubsteps {
     /// Positions (m); none while something may be near.
     place: Vec<Vec3>,

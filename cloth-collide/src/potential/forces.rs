@@ -35,7 +35,7 @@ pub struct BodyForce {
 }
 
 /// What adds them up.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Ledger {
     /// Impulses (N·s, N·m·s) so far: on all vertices, those of surfaces too, and on bodies.
     impulses: ContactForces,

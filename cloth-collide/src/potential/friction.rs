@@ -107,7 +107,7 @@ impl FrictionContact {
 }
 
 /// The tangential displacements of contacts at the end of a step, at most ε.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct TangentialDisplacements {
     /// In rising order of the contacts (m); and those before the last step.
     displacements: Vec<(Key, Vec3)>,

@@ -40,7 +40,7 @@ use super::constraints::KEPT;
 use super::near::Near;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
-use crate::broad_phase::{BroadPhase, ClothCandidates};
+use crate::broad_phase::{ClothCandidates, OfKind};
 use crate::ccd::Query;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use crate::pair::{Gap, Pair, ends, weighted};
@@ -54,12 +54,12 @@ const PUSHES: u32 = 40;
 const MOST_ROUNDS: u32 = 20;
 
 /// What brings a substep to an end when nothing else does.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct LastResort {
     /// None if there are no pairs that can touch.
     pub(super) mesh: Option<TriMesh>,
     /// Made when first needed.
-    candidates: Option<ClothCandidates<Box<dyn BroadPhase>>>,
+    candidates: Option<ClothCandidates<OfKind>>,
     zones: Zones,
     /// Pairs that pass through each other, or come too near.
     hits: Vec<Hit>,
@@ -202,7 +202,13 @@ impl LastResort {
             }
             if !is_stopped {
                 self.find_blocked(substep);
-                return Err(ContactError::Infeasible { vertex: first });
+                let own = self.blocked.iter().find(|[vertex, _]| *vertex == first);
+                let blocked = own.or(self.blocked.first());
+                return Err(ContactError::Infeasible {
+                    vertex: first,
+                    is_prescribed: step.inverse_mass[first as usize] == 0.0,
+                    body: blocked.map(|[_, body]| *body as usize),
+                });
             }
             if self.detect(substep, x)? {
                 break;
@@ -236,7 +242,7 @@ impl LastResort {
         let Substep { near, bodies, step } = substep;
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
-            let new = || ClothCandidates::new(mesh, near.own.broad_phase.create());
+            let new = || ClothCandidates::new(mesh, OfKind::new(near.own.broad_phase));
             let candidates = self.candidates.get_or_insert_with(new);
             // The mean motion brings nothing nearer to anything.
             let shift = mean(x) - mean(step.from);

@@ -52,7 +52,7 @@ pub(crate) struct Own {
 }
 
 /// Areas and laws of the parts of a cloth and of the surfaces of bodies, and which vertices are not prescribed.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Near {
     /// That with the largest range: what is farther apart than it does not touch.
     pub(crate) law: PenaltyLaw,

@@ -44,7 +44,7 @@ impl ChosenPair {
 }
 
 /// Pairs that can be near.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct NearPairs {
     /// None if the cloth cannot touch itself.
     pub(super) patches: Option<Patches>,

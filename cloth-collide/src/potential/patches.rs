@@ -89,7 +89,7 @@ mod path;
 use super::constraints::DETECTION_MARGIN;
 use super::near::Near;
 use crate::bounds::Bounds;
-use crate::broad_phase::BroadPhase;
+use crate::broad_phase::{BroadPhase, OfKind};
 use crate::pair::Pair;
 use between::{PatchPair, Visits};
 use cloth_core::math::{Real, Vec3, gather};
@@ -130,7 +130,7 @@ pub(super) struct NearPair {
     constraint: [u32; 2],
 }
 
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Patches {
     /// Patches of the cloth; the others are those of bodies.
     cloth: usize,
@@ -160,7 +160,7 @@ pub(super) struct Patches {
     motions: Vec<PatchMotion>,
     turns: bool,
     boxes: Vec<Bounds>,
-    broad_phase: Box<dyn BroadPhase>,
+    broad_phase: OfKind,
     pairs: Vec<PatchPair>,
     /// The two patches of each of them; how far they may move (m) from where they are at the start of the substep until
     /// a pair may touch that has not been asked; and the change (m) that present constraints or choices are good for.
@@ -225,7 +225,7 @@ impl Patches {
             members,
             groups,
             starts,
-            broad_phase: near.own.broad_phase.create(),
+            broad_phase: OfKind::new(near.own.broad_phase),
             ..Self::default()
         }
     }

@@ -49,7 +49,7 @@ pub(super) struct Rebound {
 }
 
 /// All of a substep, with the coefficient e (dimensionless).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Rebounds {
     pub(super) coefficient: Real,
     pub(super) list: Vec<Rebound>,

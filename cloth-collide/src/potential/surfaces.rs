@@ -3,8 +3,10 @@
 
 use super::bodies::Body;
 use super::builder::PotentialBuilder;
+use super::clock::Clock;
 use super::constraints::FEASIBLE_START_SWEEPS;
 use super::forces::{ContactForces, Ledger};
+use super::handed::Handed;
 use super::near::Near;
 use super::report::ConstraintReport;
 use super::sewn::Sewn;
@@ -98,6 +100,15 @@ const NO_TIME: Real = 1e-12;
 /// assert!((x[12].z + 0.01 - h + mass * 9.81 / (1e6 * area)).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// # To come back to a state
+///
+/// Contact has a state of its own: where bodies are and how they move, how far friction is stretched, and what is known
+/// to be free of crossings. It goes on with the state of the cloth, and a cloth that is put back alone would meet
+/// bodies elsewhere: with moving ones, a state of another time is refused ([`ContactError::WrongTime`]).
+/// [`take_back`](Self::take_back) undoes the last step of a method that minimises, and
+/// [`begins_at`](PotentialBuilder::begins_at) builds contact anew for a later time. A method may have a memory too
+/// ([`Stepper::step`](cloth_core::step::Stepper::step)).
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
@@ -106,9 +117,11 @@ pub struct PotentialContacts {
 
 /// The surface of a body.
 #[derive(Clone, Debug)]
-struct Surface {
-    mesh: TriMesh,
-    motion: SurfaceMotion,
+pub(super) struct Surface {
+    pub(super) mesh: TriMesh,
+    pub(super) motion: SurfaceMotion,
+    /// What has taken the place of its animation.
+    pub(super) handed: Option<Handed>,
     /// Where it is at both ends, if it is that of an obstacle and has been put there.
     placed: Option<[Pose; 2]>,
 }
@@ -127,10 +140,11 @@ pub(super) enum SurfaceMotion {
 pub(super) struct Surfaces {
     /// Number of vertices of the cloth.
     cloth: usize,
-    list: Vec<Surface>,
+    pub(super) list: Vec<Surface>,
     /// Of what moves by itself (s): now, and at the start of the step.
-    time: Real,
-    begun: Real,
+    pub(super) time: Real,
+    pub(super) begun: Real,
+    pub(super) clock: Clock,
     /// 0 for all vertices of bodies (1/kg).
     inverse_mass: Vec<Real>,
     /// Places (m) at the start and at the end of the path at hand.
@@ -150,6 +164,7 @@ impl Surfaces {
         let nowhere = |(mesh, motion)| Surface {
             mesh,
             motion,
+            handed: None,
             placed: None,
         };
         Self {
@@ -157,6 +172,7 @@ impl Surfaces {
             list: list.into_iter().map(nowhere).collect(),
             time,
             begun: time,
+            clock: Clock::default(),
             inverse_mass: vec![0.0; count],
             from: buffer(),
             to: buffer(),
@@ -174,6 +190,7 @@ impl Surfaces {
         for Surface {
             mesh,
             motion,
+            handed,
             placed,
         } in &mut self.list
         {
@@ -198,8 +215,11 @@ impl Surfaces {
                 }
                 SurfaceMotion::Own(animation, _) => {
                     all_rest = false;
-                    animation.place(self.time, own_from);
-                    animation.place(self.time + dt, own_to);
+                    let ends = [(self.time, own_from), (self.time + dt, own_to)];
+                    ends.into_iter().for_each(|(time, out)| match handed {
+                        Some(handed) => handed.place(time, out),
+                        None => animation.place(time, out),
+                    });
                 }
             }
         }
@@ -289,14 +309,6 @@ impl PotentialContacts {
         contacts.ledger = (are_wanted || are_needed).then(|| Ledger::new(all, cloth, bodies));
     }
 
-    /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies and
-    /// friction as they were there. The positions of the cloth are the caller's.
-    pub fn take_back(&mut self) {
-        if !std::mem::replace(&mut self.contacts.is_open, true) {
-            self.contacts.tangential.take_back();
-        }
-    }
-
     /// The forces of the last step, if they are recorded.
     #[must_use]
     pub fn forces(&self) -> Option<&ContactForces> {
@@ -342,7 +354,7 @@ impl PotentialContacts {
     /// Whether something gives way to the cloth that would have no feasible path without: another free body is halted,
     /// or the cloth passes through a body.
     fn gives_way(&mut self, error: &ContactError) -> bool {
-        if let ContactError::Infeasible { vertex } = error {
+        if let ContactError::Infeasible { vertex, .. } = error {
             let place = self.surfaces.from[*vertex as usize];
             if self.contacts.halt_near(place) || self.contacts.let_pass(&self.surfaces.from) {
                 return true;
@@ -353,13 +365,6 @@ impl PotentialContacts {
         free.iter_mut()
             .for_each(|free| free.is_halted = free.is_held);
         false
-    }
-
-    /// Takes back a step that has not ended: the next one begins where that has begun.
-    fn close(&mut self) {
-        if self.contacts.take_back() {
-            self.surfaces.time = self.surfaces.begun;
-        }
     }
 
     /// The prescribed vertices with a triangle that crosses a body, and passes through it therefore: pairs of a vertex
@@ -379,7 +384,9 @@ impl PotentialContacts {
         step.check(self.surfaces.cloth, to, to)?;
         if begins {
             self.close();
-            self.surfaces.begun = self.surfaces.time;
+            let surfaces = &mut self.surfaces;
+            surfaces.clock.advance(surfaces.time - surfaces.begun);
+            surfaces.begun = surfaces.time;
         }
         let surfaces = &mut self.surfaces;
         if begins_to_move {
@@ -438,6 +445,10 @@ impl ContactSource for PotentialContacts {
     fn truncated_count(&self) -> usize {
         self.contacts.truncated
     }
+
+    fn check_time(&self, time: Real, dt: Real) -> Result<(), ContactError> {
+        self.check_clock(time, dt)
+    }
 }
 
 impl ContactPotential for PotentialContacts {
@@ -456,6 +467,7 @@ impl ContactPotential for PotentialContacts {
             }
         }
         self.surfaces.take(start);
+        self.surfaces.clock.begin();
         self.surfaces.time += step.dt;
         self.surfaces.stay();
         Ok(())
@@ -529,7 +541,9 @@ impl ContactConstraints for PotentialContacts {
         self.place(step, step.from, [true, false])?;
         self.contacts.unpinch(&self.surfaces.from)?;
         let (all, _) = self.surfaces.all(step.dt);
-        self.contacts.begin_step(&all)
+        self.contacts.begin_step(&all)?;
+        self.surfaces.clock.begin();
+        Ok(())
     }
 
     fn begin_substep(

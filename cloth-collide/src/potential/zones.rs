@@ -14,7 +14,7 @@ use nalgebra::Rotation3;
 const MOST_TURN: Real = 1.0;
 
 /// The zones of one step.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Zones {
     sets: DisjointSets,
     member: Vec<bool>,

@@ -257,7 +257,7 @@ impl Energies {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
-    /// or one twice.
+    /// or one twice; [`BuildError::InvalidElement`] for a number of one.
     pub fn with_elements(self, families: Vec<Elements>) -> Result<Self, BuildError> {
         let mut families = families.into_iter();
         families.try_fold(self, |sum, family| family.as_energies(Summand(sum)))

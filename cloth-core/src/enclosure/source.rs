@@ -22,7 +22,7 @@ use crate::math::{Real, Vec3};
 /// # let _ = input;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Enclosed<C> {
     volumes: Vec<ClosedVolume>,
     /// What the cloth can touch.
@@ -151,6 +151,10 @@ where
 
     fn truncated_count(&self) -> usize {
         self.contacts.truncated_count()
+    }
+
+    fn check_time(&self, time: Real, dt: Real) -> Result<(), ContactError> {
+        self.contacts.check_time(time, dt)
     }
 }
 

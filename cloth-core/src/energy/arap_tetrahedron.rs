@@ -6,6 +6,7 @@
 
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::error::{OutOfRange, number};
 use crate::math::{Blocks, Mat3, Real, Vec3};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -141,6 +142,11 @@ impl Element<4> for ArapTetrahedron {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::ArapTetrahedra(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

@@ -9,6 +9,7 @@
 use super::triangle_map::TriangleMap;
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::error::{OutOfRange, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 
@@ -119,6 +120,11 @@ impl Element<3> for ArapTriangle {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Arap(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

@@ -5,6 +5,7 @@
 //! `k = K/A₀`.
 
 use crate::element::{Constraint, Convexity, Element, Row};
+use crate::error::{OutOfRange, finite, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather, length_and_direction, make_semidefinite};
 use crate::mesh::TriMesh;
 
@@ -84,6 +85,12 @@ impl Element<3> for AreaTriangle {
     #[inline]
     fn vertices(&self) -> [u32; 3] {
         self.vertices
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        finite("rest area (m²)", self.rest_area)?;
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

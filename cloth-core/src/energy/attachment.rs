@@ -1,6 +1,7 @@
 //! A vertex tied to a point in space.
 
 use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
+use crate::error::{OutOfRange, number};
 use crate::math::{Real, Vec3};
 
 /// A spring of rest length zero between a vertex and a fixed point p: `E = ½ k ‖x − p‖²` (J).
@@ -21,6 +22,11 @@ impl Element<1> for Attachment {
     #[inline]
     fn vertices(&self) -> [u32; 1] {
         [self.vertex]
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

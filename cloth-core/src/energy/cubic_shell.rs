@@ -6,6 +6,7 @@ use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
 use super::dihedral_hinge::angle;
 use crate::cloth::Elements;
 use crate::element::{Convexity, Element, Energy};
+use crate::error::{OutOfRange, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
@@ -87,6 +88,13 @@ impl Element<4> for CubicShell {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Cubic(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("constant", self.constant)?;
+        number("quadratic stiffness", self.quadratic)?;
+        number("cubic stiffness", self.cubic)?;
+        Ok(())
     }
 }
 

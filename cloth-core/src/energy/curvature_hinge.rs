@@ -7,6 +7,7 @@
 use super::cotangent::{Cotangents, on_each_hinge};
 use crate::cloth::Elements;
 use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
+use crate::error::{OutOfRange, number};
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
@@ -86,6 +87,11 @@ impl Element<4> for CurvatureHinge {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Quadratic(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

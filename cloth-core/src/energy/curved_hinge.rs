@@ -8,6 +8,7 @@ use super::CurvatureHinge;
 use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::error::{OutOfRange, finite, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
@@ -80,6 +81,12 @@ impl Element<4> for CurvedHinge {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Curved(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        finite("rest curvature r (m)", self.rest_curvature)?;
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

@@ -12,6 +12,7 @@
 use super::cotangent::on_each_hinge;
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Row};
+use crate::error::{OutOfRange, finite, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
@@ -269,6 +270,12 @@ impl Element<4> for DihedralHinge {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Dihedral(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        finite("rest angle (rad)", self.rest_angle)?;
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

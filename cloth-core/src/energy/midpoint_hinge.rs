@@ -8,6 +8,7 @@
 use super::cotangent::Cotangents;
 use crate::cloth::Elements;
 use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
+use crate::error::{OutOfRange, number};
 use crate::math::{Real, Vec3};
 
 /// The bending model of Bergou et al. (2006) in terms of edge midpoints.
@@ -70,6 +71,11 @@ impl Element<5> for MidpointHinge {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Midpoint(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::Attachment;
 use crate::element::{Constraint, Element, Projective, Row, RowForm};
+use crate::error::{OutOfRange, number};
 use crate::math::{Real, Vec3};
 use crate::pin::PinMotion;
 
@@ -78,6 +79,11 @@ impl Element<1> for SoftPin {
 
     fn set_time(&mut self, time: Real) {
         self.target = self.target_at(time);
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row, RowForm, UnitRow};
+use crate::error::{OutOfRange, finite, number};
 use crate::math::{
     Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
 };
@@ -106,6 +107,12 @@ impl Element<2> for Spring {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Springs(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        finite("rest length (m)", self.rest_length)?;
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

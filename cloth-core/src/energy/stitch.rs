@@ -2,6 +2,7 @@
 
 use super::Spring;
 use crate::element::{Constraint, Convexity, Element, Projective, Row, RowForm, VectorRow};
+use crate::error::{OutOfRange, finite, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, across_pair, gather, length_and_direction};
 
 /// A spring between a vertex and another one (N = 2), or a point of the edge between two others (N = 3), whose rest
@@ -213,6 +214,12 @@ impl<const N: usize> Element<N> for Stitch<N> {
 
     fn set_time(&mut self, time: Real) {
         self.rest_length = self.rest_length_at(time);
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        finite("rest length (m)", self.rest_length)?;
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

@@ -7,6 +7,7 @@
 use super::Spring;
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Row};
+use crate::error::{OutOfRange, number};
 use crate::math::{
     Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
 };
@@ -101,6 +102,13 @@ impl Element<2> for StrainLimitSpring {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Limited(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("shortest length (m)", self.shortest)?;
+        number("longest length (m)", self.longest)?;
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

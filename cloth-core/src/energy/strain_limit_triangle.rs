@@ -8,6 +8,7 @@ use super::arap_triangle::Singular;
 use super::triangle_map::TriangleMap;
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Row};
+use crate::error::{OutOfRange, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 
@@ -124,6 +125,11 @@ impl Element<3> for StrainLimitTriangle {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::LimitedTriangles(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

@@ -7,6 +7,7 @@
 use super::triangle_map::TriangleMap;
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Row};
+use crate::error::{OutOfRange, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
@@ -89,6 +90,12 @@ impl Element<3> for StvkTriangle {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Stvk(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        number("area stiffness", self.area_stiffness)?;
+        number("shear stiffness", self.shear_stiffness)?;
+        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Row};
+use crate::error::{OutOfRange, finite, number};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 
 /// The volume constraint: `C = V − V₀` (m³), `E = ½ k C²` (J), with `V = (x₁ − x₀)·((x₂ − x₀) × (x₃ − x₀))/6`.
@@ -54,6 +55,12 @@ impl Element<4> for VolumeTetrahedron {
 
     fn into_elements(all: Vec<Self>) -> Elements {
         Elements::Volumes(all)
+    }
+
+    fn check(&self) -> Result<(), OutOfRange> {
+        finite("rest volume (m³)", self.rest_volume)?;
+        number("stiffness", self.stiffness)?;
+        Ok(())
     }
 }
 

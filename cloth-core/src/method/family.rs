@@ -7,6 +7,7 @@ pub use assembly::Assembly;
 pub use incidence::Incidence;
 
 use crate::element::{Convexity, Energy};
+use crate::error::OutOfRange;
 use crate::math::{Mat3, Real, Vec3, gather};
 use crate::method::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
 use crate::method::chunked::{CHUNK, map_reduce};
@@ -226,6 +227,8 @@ impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
 #[derive(Debug)]
 pub struct Energies {
     vertex_count: usize,
+    /// How many families were added, those without elements too.
+    given: usize,
     families: Vec<Box<dyn EnergyFamily>>,
 }
 
@@ -241,6 +244,7 @@ impl Energies {
     pub fn new(vertex_count: usize) -> Self {
         Self {
             vertex_count,
+            given: 0,
             families: Vec::new(),
         }
     }
@@ -249,7 +253,7 @@ impl Energies {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
-    /// or one twice.
+    /// or one twice; [`BuildError::InvalidElement`] for a number of one.
     pub fn with<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Result<Self, BuildError> {
         if E::IS_IN_ELEMENTS {
             self.with_elements(vec![E::into_elements(elements)])
@@ -263,7 +267,9 @@ impl Energies {
         mut self,
         elements: Vec<E>,
     ) -> Result<Self, BuildError> {
-        check_vertices(&elements, self.vertex_count)?;
+        let number = self.given;
+        self.given += 1;
+        check_vertices(&elements, self.vertex_count).map_err(|error| error.in_family(number))?;
         if !elements.is_empty() {
             self.families
                 .push(Box::new(Family::new(elements, self.vertex_count)));
@@ -513,10 +519,29 @@ impl Energies {
     }
 }
 
-/// Whether every element names vertices that exist, and none twice.
+/// The name of a type without its path and its own types.
+fn short_name<T>() -> &'static str {
+    let whole = std::any::type_name::<T>();
+    let path = whole.split('<').next().unwrap_or(whole);
+    path.rsplit("::").next().unwrap_or(path)
+}
+
+/// For builders: why they refuse an element of a kind, by its number in its family.
+#[must_use]
+pub fn invalid_element<E>(element: usize, reason: OutOfRange) -> BuildError {
+    BuildError::InvalidElement {
+        kind: short_name::<E>(),
+        family: None,
+        element,
+        reason,
+    }
+}
+
+/// Whether every element names vertices that exist, and none twice, and has numbers in their range.
 ///
 /// # Errors
-/// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] for the first that does not.
+/// [`BuildError::NoSuchVertex`], [`BuildError::RepeatedVertex`] or [`BuildError::InvalidElement`] for the first that
+/// does not.
 pub fn check_vertices<const N: usize, E: crate::element::Element<N>>(
     elements: &[E],
     vertex_count: usize,
@@ -526,15 +551,24 @@ pub fn check_vertices<const N: usize, E: crate::element::Element<N>>(
         for (corner, &vertex) in vertices.iter().enumerate() {
             if vertex as usize >= vertex_count {
                 return Err(BuildError::NoSuchVertex {
+                    kind: short_name::<E>(),
+                    family: None,
                     element,
                     vertex,
                     vertex_count,
                 });
             }
             if vertices[..corner].contains(&vertex) {
-                return Err(BuildError::RepeatedVertex { element, vertex });
+                return Err(BuildError::RepeatedVertex {
+                    kind: short_name::<E>(),
+                    family: None,
+                    element,
+                    vertex,
+                });
             }
         }
+        let checked = stencil.check();
+        checked.map_err(|reason| invalid_element::<E>(element, reason))?;
     }
     Ok(())
 }

@@ -257,9 +257,18 @@ fn an_element_that_names_a_vertex_twice_is_refused() {
     let hinge = CurvatureHinge::new([0, 1, 2, 0], &FLAT, 2.5);
     let refused = Energies::new(4).with(vec![hinge]).unwrap_err();
     let (element, vertex) = (0, 0);
-    assert_eq!(refused, BuildError::RepeatedVertex { element, vertex });
+    let named = |kind, family, element, vertex| BuildError::RepeatedVertex {
+        kind,
+        family: Some(family),
+        element,
+        vertex,
+    };
+    assert_eq!(refused, named("CurvatureHinge", 0, element, vertex));
     let spring = |vertices| Spring { vertices, ..SPRING };
     let springs = vec![spring([0, 1]), spring([1, 1])];
     let refused = Energies::new(2).with(springs).unwrap_err();
-    assert_eq!(refused.to_string(), "element 1 names vertex 1 twice");
+    assert_eq!(
+        refused.to_string(),
+        "element 1 of family 0 (Spring) names vertex 1 twice"
+    );
 }

@@ -4,10 +4,11 @@
 use cloth_core::contact::{
     ContactConstraints, ContactPotential, ContactSource, ContactStep, GlobalRows,
 };
-use cloth_core::enclosure::{ClosedVolume, Enclosed, EnclosureError, Pressure};
+use cloth_core::enclosure::{ClosedVolume, Enclosed, EnclosureError, NoContact, Pressure};
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, join, sphere, torus};
+use cloth_core::step::StepInput;
 
 fn shaken(x: &[Vec3]) -> Vec<Vec3> {
     let noise = |v: usize| (v as f64 * 12.9898).sin() * 0.01;
@@ -223,4 +224,19 @@ fn a_filling_without_meaning_is_refused() {
     let flat = TriMesh::new(x, [up, down].concat()).unwrap();
     let empty = ClosedVolume::new(1.0, &flat).unwrap_err();
     assert_eq!(empty, EnclosureError::Empty);
+}
+
+/// A source is lent to volumes, and both to a step; afterwards it is there again.
+#[test]
+fn lent_contacts_are_contacts() {
+    let ball = sphere(2, 0.3).unwrap();
+    let mut contacts = NoContact;
+    {
+        let volumes = vec![ClosedVolume::new(1e4, &ball).unwrap()];
+        let mut lent = Enclosed::new(volumes, &mut contacts);
+        let mut both = &mut lent;
+        let input = StepInput::new(0.01).contacts(&mut both);
+        assert!(input.contacts.is_some());
+    }
+    assert!(contacts.can_touch());
 }

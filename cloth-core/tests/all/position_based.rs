@@ -314,6 +314,14 @@ fn bad_input_is_refused_and_the_state_left_alone() {
         assert!(matches!(error, StepError::InvalidTimeStep { .. }));
         assert_eq!(state, good);
     }
+    for time in [Real::NAN, Real::INFINITY] {
+        let mut late = good.clone();
+        late.time = time;
+        let error = solver.step(&mut late, StepInput::new(0.01)).unwrap_err();
+        let named = format!("the time of the state is {time} s");
+        assert!(error.to_string().starts_with(&named), "{error}");
+        assert_eq!((late.positions, late.steps), (good.positions.clone(), 0));
+    }
     let mut broken = good.clone();
     broken.velocities[1].y = Real::NAN;
     let error = solver.step(&mut broken, StepInput::new(0.01)).unwrap_err();
@@ -343,6 +351,8 @@ fn elements_of_vertices_that_do_not_exist_and_no_iterations_are_refused() {
         let builder = Builder::new(&particles).energy(vec![link(0, 1), link(1, 2)]);
         let error = builder.config(settings).build().unwrap_err();
         let no_such_vertex = BuildError::NoSuchVertex {
+            kind: "Spring",
+            family: Some(0),
             element: 1,
             vertex: 2,
             vertex_count: 2,
@@ -551,7 +561,11 @@ impl ContactConstraints for Noted {
         self.calls.push("end");
         self.ends += 1;
         match self.refused {
-            Some(end) if end == self.ends => Err(ContactError::Infeasible { vertex: 3 }),
+            Some(end) if end == self.ends => Err(ContactError::Infeasible {
+                vertex: 3,
+                is_prescribed: false,
+                body: None,
+            }),
             _ => Ok(()),
         }
     }
@@ -584,7 +598,11 @@ fn contact_constraints_come_last_in_each_sweep_and_are_asked_in_order() {
     };
     let before = state.clone();
     let refused = solver.step(&mut state, StepInput::new(0.5).contacts(&mut noted));
-    let reason = ContactError::Infeasible { vertex: 3 };
+    let reason = ContactError::Infeasible {
+        vertex: 3,
+        is_prescribed: false,
+        body: None,
+    };
     assert_eq!(refused, Err(StepError::Contact { reason, step: 1 }));
     assert_eq!(state, before);
     let substep = ["substep", "sweep", "sweep", "end", "velocities"];

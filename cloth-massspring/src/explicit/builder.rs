@@ -52,7 +52,7 @@ impl<S> ExplicitBuilder<S> {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
-    /// do not have, or one twice; [`BuildError::OutOfRange`].
+    /// do not have, or one twice; [`BuildError::InvalidElement`] for a number of one; [`BuildError::OutOfRange`].
     pub fn build(self) -> Result<S, BuildError> {
         self.config.check()?;
         Ok((self.finish)(Model {

@@ -3,6 +3,7 @@
 use super::Implicit;
 use super::at_end::EndContactMemory;
 use super::damper::Damper;
+use super::energy_guard::EnergyGuard;
 use super::minimizer::Minimizer;
 use crate::config::ImplicitConfig;
 use cloth_core::cloth::Elements;
@@ -135,8 +136,8 @@ impl<S> ImplicitBuilder<S> {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
-    /// do not have, or one twice; [`BuildError::OutOfRange`], [`BuildError::SettingsConflict`],
-    /// [`BuildError::MatrixTooLarge`].
+    /// do not have, or one twice; [`BuildError::InvalidElement`] for a number of one; [`BuildError::OutOfRange`],
+    /// [`BuildError::SettingsConflict`], [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<S, BuildError> {
         self.config.check()?;
         let energies = self.energies?;
@@ -152,6 +153,7 @@ impl<S> ImplicitBuilder<S> {
             before: (zeros, 0.0),
             damper,
             end_contact: EndContactMemory::default(),
+            guard: EnergyGuard::default(),
             constant_velocity_positions: Vec::new(),
             particles: self.particles,
             energies,

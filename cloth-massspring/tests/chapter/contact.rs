@@ -1,13 +1,14 @@
-//! The stability monitor of the explicit integrators where contact changes the end of a step.
+//! Energy from nowhere where contact changes the end of a step: the stability monitor of the explicit integrators, and
+//! the guard of the midpoint rule.
 
 use cloth_core::contact::{
-    ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
+    ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
 };
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput, Stepper};
-use cloth_massspring::{ExplicitEuler, SymplecticEuler};
+use cloth_massspring::{ExplicitEuler, ImplicitMidpoint, SymplecticEuler};
 
 /// Pulls vertex 1 away from vertex 0, for ever.
 struct Pull {
@@ -142,4 +143,111 @@ fn motion_that_a_body_pays_for_goes_on() {
 fn contact_that_does_nothing_changes_nothing() {
     let (mut symplectic, _) = solvers();
     end(&mut symplectic, PULL).unwrap();
+}
+
+/// Pushes vertex 1 with a constant force (N), as a body would that says what work that is, or not.
+#[derive(Debug)]
+struct Push {
+    force: Vec3,
+    tells: bool,
+    from: Vec3,
+    work: Real,
+}
+
+impl ContactSource for Push {
+    fn keep_free(&mut self, _: &[Vec3], _: &[Real], _: &mut [Vec3]) -> Result<(), ContactError> {
+        Ok(())
+    }
+
+    fn potential(&mut self) -> &mut dyn ContactPotential {
+        self
+    }
+
+    fn constraints(&mut self) -> &mut dyn ContactConstraints {
+        unreachable!("methods that minimise want the potential")
+    }
+
+    fn work(&self) -> Real {
+        self.work
+    }
+}
+
+impl ContactPotential for Push {
+    fn begin(&mut self, step: &ContactStep<'_>, _: &mut [Vec3]) -> Result<(), ContactError> {
+        self.from = step.from[1];
+        Ok(())
+    }
+
+    fn limit(&mut self, _: &[Vec3], _: &[Vec3]) -> Result<Real, ContactError> {
+        Ok(1.0)
+    }
+
+    fn limit_each(
+        &mut self,
+        _: &[Vec3],
+        _: &mut [Vec3],
+        fractions: &mut [Real],
+    ) -> Result<(), ContactError> {
+        fractions.fill(1.0);
+        Ok(())
+    }
+
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        out[1] -= self.force;
+        -self.force.dot(&x[1])
+    }
+
+    fn linearize(&self, _: &[Vec3], _: &mut Vec<ContactRow>) {}
+
+    fn end(&mut self, x: &[Vec3], _: &[Vec3]) {
+        if self.tells {
+            self.work = self.force.dot(&(x[1] - self.from));
+        }
+    }
+}
+
+#[test]
+fn the_midpoint_rule_is_refused_energy_from_nowhere_in_contact() {
+    let mut particles = Particles::new(vec![1.0; 2]).unwrap();
+    particles.prescribe(0).unwrap();
+    let spring = Spring {
+        vertices: [0, 1],
+        rest_length: 1.0,
+        stiffness: 1e-6,
+    };
+    let run = |tells| {
+        let builder = ImplicitMidpoint::builder(&particles).energy(vec![spring]);
+        let mut solver = builder.build().unwrap();
+        let mut push = Push {
+            force: Vec3::x(),
+            tells,
+            from: Vec3::zeros(),
+            work: 0.0,
+        };
+        let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::x()]);
+        for _ in 0..30 {
+            let before = state.clone();
+            let step = solver.step(&mut state, StepInput::new(DT).contacts(&mut push));
+            if let Err(error) = step {
+                assert_eq!(state, before);
+                return Err(error);
+            }
+        }
+        Ok(())
+    };
+    run(true).unwrap();
+    let error = run(false).unwrap_err();
+    let StepError::EnergyGrowth {
+        before,
+        after,
+        given,
+        step,
+    } = error
+    else {
+        panic!("{error}")
+    };
+    // The speed grows evenly, and the account begins after the first step: ten times its speed is too much.
+    assert!((10..=12).contains(&step), "{error}");
+    assert!(after > before && after > 100.0 * given, "{error}");
+    assert!(error.to_string().contains("take implicit Euler or BDF2"));
 }

@@ -55,7 +55,7 @@ impl PbdBuilder {
     /// # Errors
     /// [`BuildError::OutOfRange`] for a setting outside its range; [`BuildError::UnsupportedElements`] for elements
     /// that are no constraints; [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a
-    /// vertex that the particles do not have, or one twice.
+    /// vertex that the particles do not have, or one twice; [`BuildError::InvalidElement`] for a number of one.
     pub fn build(self) -> Result<PbdSolver, BuildError> {
         let (motion, config) = (self.motion, self.config);
         check_counts(config.iterations, config.substeps)?;

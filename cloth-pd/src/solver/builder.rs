@@ -118,7 +118,7 @@ impl PdBuilder {
         if let Ok(families) = &mut self.families {
             match Family::new(elements, &self.particles) {
                 Ok(family) => families.push(Box::new(family)),
-                Err(error) => self.families = Err(error),
+                Err(error) => self.families = Err(error.in_family(families.len())),
             }
         }
     }
@@ -147,7 +147,7 @@ impl PdBuilder {
     /// [`BuildError::OutOfRange`], also for a weight that is negative or not finite, and for a coarse grid of no or too
     /// many cells or of positions that are not one finite position per vertex; [`BuildError::NoSuchVertex`] or
     /// [`BuildError::RepeatedVertex`] if an element names a vertex that the particles do not have, or one twice;
-    /// [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::InvalidElement`] for a number of one; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<PdSolver, BuildError> {
         self.config.check()?;
         let families = self.families?;

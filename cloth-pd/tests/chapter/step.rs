@@ -283,22 +283,29 @@ fn what_cannot_be_built_is_refused() {
         );
     }
     for stiffness in [-1.0, Real::NAN, Real::INFINITY] {
-        assert_eq!(
-            refused(
-                Spring {
-                    stiffness,
-                    ..spring
-                },
-                config
-            ),
-            "the weight of an element"
+        let bad = Spring {
+            stiffness,
+            ..spring
+        };
+        let error = build(bad, config).unwrap_err();
+        let is_named = matches!(
+            error,
+            BuildError::InvalidElement {
+                kind: "Spring",
+                family: Some(0),
+                element: 0,
+                ..
+            }
         );
+        assert!(is_named, "{error}");
     }
     let outside = Spring {
         vertices: [0, 3],
         ..spring
     };
     let expected = BuildError::NoSuchVertex {
+        kind: "Spring",
+        family: Some(0),
         element: 0,
         vertex: 3,
         vertex_count: 3,

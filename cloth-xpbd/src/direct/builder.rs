@@ -53,7 +53,9 @@ impl DirectBuilder {
         }
         let vertex_count = self.particles.len();
         self.families = self.families.and_then(|mut families| {
-            families.push(family(elements, vertex_count)?);
+            let number = families.len();
+            let added = family(elements, vertex_count);
+            families.push(added.map_err(|error| error.in_family(number))?);
             Ok(families)
         });
         self
@@ -67,7 +69,9 @@ impl DirectBuilder {
                 vertex_count: self.particles.len(),
             };
             self.families = self.families.and_then(|mut families| {
-                families.push(family.as_constraints(into)??);
+                let number = families.len();
+                let added = family.as_constraints(into)?;
+                families.push(added.map_err(|error| error.in_family(number))?);
                 Ok(families)
             });
         }
@@ -86,7 +90,7 @@ impl DirectBuilder {
     /// # Errors
     /// [`BuildError::OutOfRange`]; [`BuildError::UnsupportedElements`] for elements that are no constraints;
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
-    /// do not have, or one twice; [`BuildError::MatrixTooLarge`].
+    /// do not have, or one twice; [`BuildError::InvalidElement`] for a number of one; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<DirectXpbd, BuildError> {
         let config = self.config;
         check_counts(config.max_iterations, config.substeps)?;

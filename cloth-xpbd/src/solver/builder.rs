@@ -223,7 +223,7 @@ impl XpbdBuilder {
     /// # Errors
     /// [`BuildError::OutOfRange`]; [`BuildError::UnsupportedElements`] for elements that are no constraints;
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that the particles
-    /// do not have, or one twice.
+    /// do not have, or one twice; [`BuildError::InvalidElement`] for a number of one.
     pub fn build(self) -> Result<XpbdSolver, BuildError> {
         let (motion, config) = (self.motion, self.config);
         check_counts(config.iterations, config.substeps)?;

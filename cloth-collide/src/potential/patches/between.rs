@@ -7,7 +7,7 @@ use cloth_core::math::Real;
 use cloth_core::method::parallel::{join, wide};
 
 /// Two patches, or one with itself, and what can touch between them.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct PatchPair {
     pub(super) patches: [u32; 2],
     /// The second patch as seen from the first, and sum of the spreads (m), when the pairs were found.

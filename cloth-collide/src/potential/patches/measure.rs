@@ -14,7 +14,7 @@ const LARGEST_TURN: Real = 0.2;
 const CHORD: Real = 1.0 - 0.5 * LARGEST_TURN * LARGEST_TURN;
 
 /// All patches at one moment.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Places {
     /// Centre (m) and axes; its vertices, from the centre (m); the distance (m) of the farthest of them; and the
     /// spread (m).

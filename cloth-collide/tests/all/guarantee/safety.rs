@@ -188,7 +188,16 @@ fn sheet_squeezed_between_walls_is_resolved_or_refused() {
                 }
             }
             Err(error) => {
-                assert!(matches!(error, ContactError::Infeasible { .. }));
+                let by_a_wall = matches!(
+                    error,
+                    ContactError::Infeasible {
+                        is_prescribed: false,
+                        body: Some(0 | 1),
+                        ..
+                    }
+                );
+                assert!(by_a_wall, "{error}");
+                assert!(error.to_string().contains("before body"), "{error}");
                 refused = true;
                 break;
             }
@@ -239,7 +248,14 @@ fn prescribed_sheets_that_cross_have_no_feasible_path() {
     for _ in 0..3 {
         let end = flight.step(0.02);
         assert!(
-            matches!(end, Err(ContactError::Infeasible { .. })),
+            matches!(
+                end,
+                Err(ContactError::Infeasible {
+                    is_prescribed: true,
+                    body: None,
+                    ..
+                })
+            ),
             "{end:?}"
         );
     }

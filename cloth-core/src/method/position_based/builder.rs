@@ -38,7 +38,7 @@ impl<U: ConstraintUpdate> FamilyPlans<U> {
     /// # Errors
     /// [`BuildError::OutOfRange`] for an acceleration out of range; [`BuildError::UnsupportedElements`] for elements
     /// that are no constraints; [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a
-    /// vertex that does not exist, or one twice.
+    /// vertex that does not exist, or one twice; [`BuildError::InvalidElement`] for a number of one.
     pub fn build(
         self,
         vertex_count: usize,

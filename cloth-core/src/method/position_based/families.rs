@@ -318,12 +318,13 @@ impl<U: ConstraintUpdate> Families<U> {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist,
-    /// or one twice.
+    /// or one twice; [`BuildError::InvalidElement`] for a number of one.
     pub fn add<const N: usize, E: Constraint<N>>(
         &mut self,
         elements: &[E],
     ) -> Result<(), BuildError> {
-        check_vertices(elements, self.vertex_count)?;
+        let number = self.families.len();
+        check_vertices(elements, self.vertex_count).map_err(|error| error.in_family(number))?;
         let memory = vec![E::Rows::per_row(U::Memory::default()); elements.len()];
         let elements = match self.sweep {
             Sweep::Colored => Colored::new(elements, self.vertex_count),
