@@ -407,6 +407,7 @@ mod pinched;
 mod rebound;
 mod report;
 pub(crate) mod sewn;
+mod shared;
 mod source;
 mod stops;
 mod surfaces;

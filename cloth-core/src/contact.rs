@@ -419,7 +419,7 @@ impl fmt::Display for ContactError {
             Self::WrongTime { time, expected } => write!(
                 f,
                 "the step begins at {time} s, but moving bodies are where they are at {expected} s: contacts belong \
-                 to the state that they have come with: restore them together with it, build them anew at its time, or \
+                 to the state that they have come with: restore a clone of both, build them anew at its time, or \
                  tell them `continue_at` where bodies are to stay"
             ),
             Self::Infeasible {

@@ -59,7 +59,7 @@ struct BodyConstraint {
 }
 
 /// All vertices and bodies.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     list: Vec<BodyConstraint>,
     /// Of each body and each vertex: a lower bound of its distance (m) where it was at `places` (m), with the body

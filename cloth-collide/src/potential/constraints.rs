@@ -46,7 +46,7 @@ const ROUNDS: u32 = 12;
 pub(super) const FEASIBLE_START_SWEEPS: u32 = 10;
 
 /// What the constraints know.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Constraints {
     pub(super) patches: Option<Patches>,
     pub(super) bodies: Bodies,

@@ -37,7 +37,7 @@ pub(super) struct FreeBody {
 }
 
 /// All of them.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct FreeBodies {
     pub(super) list: Vec<FreeBody>,
     /// Momenta before the step, as obstacles are kept.

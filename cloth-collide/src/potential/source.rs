@@ -31,7 +31,7 @@ const STICKING: Real = 1e-2;
 
 /// Contact among the vertices of a cloth, and of surfaces of bodies that follow them as prescribed ones, and with
 /// obstacles.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Contacts {
     /// For methods that project positions.
     pub(super) constraints: Constraints,

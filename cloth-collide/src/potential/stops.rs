@@ -49,7 +49,7 @@ const POINTS: usize = 32;
 const DESCENTS: u32 = 24;
 
 /// What is prescribed, and what is met.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Stops {
     is_prescribed: Vec<bool>,
     /// Triangles of which all vertices are prescribed, then such edges (the last vertex twice) and vertices (three

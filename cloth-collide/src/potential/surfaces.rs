@@ -10,6 +10,7 @@ use super::handed::Handed;
 use super::near::Near;
 use super::report::ConstraintReport;
 use super::sewn::Sewn;
+use super::shared::Shared;
 use super::source::Contacts;
 use crate::obstacle::{AnimatedMesh, Pose};
 use cloth_core::contact::{
@@ -17,7 +18,6 @@ use cloth_core::contact::{
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Size (s) of a step in which no body comes far, and no law of contact is stiff.
 const NO_TIME: Real = 1e-12;
@@ -105,11 +105,12 @@ const NO_TIME: Real = 1e-12;
 ///
 /// Contact has a state of its own: where bodies are and how they move, how far friction is stretched, and what is known
 /// to be free of crossings. It goes on with the state of the cloth, and a cloth that is put back alone would meet
-/// bodies elsewhere: with moving ones, a state of another time is refused ([`ContactError::WrongTime`]).
+/// bodies elsewhere: with moving ones, a state of another time is refused ([`ContactError::WrongTime`]). A clone is a
+/// snapshot: restored together with the state, it repeats the same steps bit for bit.
 /// [`take_back`](Self::take_back) undoes the last step of a method that minimises, and
 /// [`begins_at`](PotentialBuilder::begins_at) builds contact anew for a later time. A method may have a memory too
 /// ([`Stepper::step`](cloth_core::step::Stepper::step)).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
     pub(super) surfaces: Surfaces,
@@ -136,7 +137,7 @@ pub(super) enum SurfaceMotion {
 }
 
 /// The surfaces, and buffers for the vertices of everything.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Surfaces {
     /// Number of vertices of the cloth.
     cloth: usize,
@@ -152,7 +153,7 @@ pub(super) struct Surfaces {
     to: Vec<Vec3>,
     fractions: Vec<Real>,
     /// The same place with its gradient (N), for methods that take `&self`.
-    shared: Mutex<[Vec<Vec3>; 2]>,
+    shared: Shared,
 }
 
 impl Surfaces {
@@ -177,7 +178,7 @@ impl Surfaces {
             from: buffer(),
             to: buffer(),
             fractions: vec![1.0; count],
-            shared: Mutex::new([buffer(), buffer()]),
+            shared: Shared::new([buffer(), buffer()]),
         }
     }
 
@@ -237,8 +238,7 @@ impl Surfaces {
     fn stay(&mut self) {
         let bodies = self.cloth..;
         self.from[bodies.clone()].copy_from_slice(&self.to[bodies.clone()]);
-        let shared = self.shared.get_mut();
-        let [place, gradient] = shared.unwrap_or_else(PoisonError::into_inner);
+        let [place, gradient] = &mut *self.shared.lock();
         place[bodies.clone()].copy_from_slice(&self.to[bodies.clone()]);
         // What is added up there in the step is of no use.
         gradient[bodies].fill(Vec3::zeros());
@@ -276,10 +276,6 @@ impl Surfaces {
     /// Takes the cloth to where it ends (m).
     fn take(&self, x: &mut [Vec3]) {
         x.copy_from_slice(&self.to[..x.len()]);
-    }
-
-    fn shared(&self) -> MutexGuard<'_, [Vec<Vec3>; 2]> {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -498,7 +494,7 @@ impl ContactPotential for PotentialContacts {
             return self.contacts.add_gradient(x, out);
         }
         let surfaces = &self.surfaces;
-        let mut shared = surfaces.shared();
+        let mut shared = surfaces.shared.lock();
         let [place, gradient] = &mut *shared;
         place[..x.len()].copy_from_slice(x);
         gradient[..x.len()].copy_from_slice(out);
@@ -513,7 +509,7 @@ impl ContactPotential for PotentialContacts {
         }
         let surfaces = &self.surfaces;
         let first = out.len();
-        let mut shared = surfaces.shared();
+        let mut shared = surfaces.shared.lock();
         shared[0][..x.len()].copy_from_slice(x);
         self.contacts.linearize(&shared[0], out);
         // Vertices of bodies do not move, and have no part.
