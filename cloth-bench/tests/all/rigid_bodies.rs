@@ -387,8 +387,8 @@ fn box_beside_a_held_border_stays_on_the_cloth() {
     }
 }
 
-/// A ball slides onto a floor far from any cloth. Without friction it goes on and does not turn. With μ it slows down by
-/// μ g until it rolls: a full sphere then has 5/7 of its speed, and keeps that.
+/// A ball slides onto a floor far from any cloth. Without friction it goes on and does not turn. With μ it slows down
+/// by μ g until it rolls: a full sphere then has 5/7 of its speed, and keeps that.
 #[test]
 fn ball_on_a_floor_slides_without_friction_and_rolls_with_it() {
     for (friction, rolls) in [(0.0, 1.0), (0.3, 5.0 / 7.0)] {
@@ -425,7 +425,7 @@ fn ball_on_a_floor_slides_without_friction_and_rolls_with_it() {
     }
 }
 
-/// Two balls meet off their line of centres, and part along the normal there: nothing turns, for it is without friction.
+/// Two balls meet off their line of centres and part along the normal there. Nothing turns, for there is no friction.
 #[test]
 fn balls_that_meet_without_friction_keep_their_momentum_and_do_not_turn() {
     let text = "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [5, 5, 1]\n[[pins]]\n\

@@ -39,8 +39,8 @@ const SWEEPS: u32 = 20;
 /// most moments.
 const SAMPLE_SPACING: Real = 0.25;
 const MOST_SAMPLES: Real = 64.0;
-/// How far before a body points are whose feet are foremost (in radii of the body), steps there, and how near (in radii)
-/// two such points are the same.
+/// How far before a body points are whose feet are foremost (in radii of the body), steps there, and how near (in
+/// radii) two such points are the same.
 const FAR: [Real; 2] = [10.0, 1.0];
 const SUPPORTS: u32 = 4;
 const SAME: Real = 1e-3;
@@ -331,9 +331,9 @@ impl Contacts {
         }
     }
 
-    /// The point (m) of the surface of a free body after `time` (s), in its frame, foremost against a normal: near a `vertex` of
-    /// the surface, or this if that is not nearer to the obstacle; and the distance there. A round body rolls on its
-    /// surface, not on these vertices.
+    /// The point (m) of the surface of a free body after `time` (s), in its frame, that is foremost against a normal near
+    /// a `vertex` of the surface, or the vertex where none is nearer to the obstacle; and the distance there. A round
+    /// body rolls on its surface, not on these vertices.
     fn support(
         &self,
         (number, time): (usize, Real),

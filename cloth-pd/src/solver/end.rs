@@ -17,8 +17,8 @@ const NEGLIGIBLE_SPEED: Real = 1e-6;
 /// without gravity has no other velocity to compare with, and ends at rounding.
 const NEGLIGIBLE_WAY: Real = 1e-10;
 
-/// An error beyond this many times what is asked for, after a smaller one than that, is a relapse; and how many errors in
-/// a row have to be small from then on.
+/// An error beyond this many times what is asked for, after a smaller one than that, is a relapse; and how many errors
+/// in a row have to be small from then on.
 const RELAPSE: Real = 10.0;
 const STEADY: u32 = 5;
 
@@ -93,7 +93,8 @@ impl PdSolver {
     }
 
     /// How far velocities are from those of the minimum, over what `fraction` of the tolerance asks, squared: first by
-    /// the Newton decrement of the last direction, then by `decrease` (J), that of `G` in [`DECREASE_WINDOW`] iterations.
+    /// the Newton decrement of the last direction, then by `decrease` (J), that of `G` in [`DECREASE_WINDOW`]
+    /// iterations.
     /// Pairs that do not fit the Hessian can make the first too small. Where no direction leads down any more, as at
     /// the speed at which the air carries a sheet, the gradient bounds it: the Hessian is at least M/Δt².
     pub(super) fn velocity_errors(&self, fraction: Real, decrease: Real) -> [Real; 2] {
