@@ -81,13 +81,8 @@ impl PairConstraint {
         let known = last.filter(|last| {
             last.role == Role::Pushes && travel - found.known_at <= PERSISTENT * near.law.range()
         });
-        if let (Some(last), None) = (last, known) {
-            let margin = if last.role == Role::Pushes {
-                DETECTION_MARGIN * near.law.range()
-            } else {
-                0.0
-            };
-            let apart = found.range + margin;
+        if last.is_some() && known.is_none() {
+            let apart = found.range + DETECTION_MARGIN * near.law.range();
             let now = contact.pair.gap_along(&contact.normal, step.from);
             if now > apart && contact.pair.gap_along(&contact.normal, to) > apart {
                 found.known_at = Real::NEG_INFINITY;
@@ -129,16 +124,11 @@ impl PairConstraint {
                     (gap.normal, gap.weights, gap.distance);
             }
         }
-        let reach = self.thickness + DETECTION_MARGIN * near.law.range();
-        if known.is_none() && self.distance > reach && self.pair.gap_along(&self.normal, to) > reach
-        {
-            self.role = Role::Separated;
-            return;
-        }
         self.approach = self.distance - self.normal.dot(&self.point(to));
         let w = vertices.map(|v| step.inverse_mass[v as usize]);
         let squares = self.weights.iter().zip(w);
         self.inverse_effective_mass = squares.map(|(weight, w)| weight * weight * w).sum();
+        let reach = self.thickness + DETECTION_MARGIN * near.law.range();
         let comes = self.distance - self.approach.max(0.0) < reach;
         let is_at_boundary = self.weights.contains(&0.0);
         let faces = self.distance < self.thickness || !is_at_boundary;
