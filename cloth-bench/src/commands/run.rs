@@ -105,7 +105,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,
     /// CSV file for the force with which the cloth pulls at every held vertex in every step, and for their sum: its
-    /// elements, the weight of the vertex itself and forces of the scene, without air and contact
+    /// elements, the weight of the vertex itself and forces of the scene, without air and contact; not of soft pins, nor
+    /// by linear-implicit
     #[arg(long, value_name = "FILE")]
     pin_loads: Option<PathBuf>,
     /// PNG file for a picture of the end
