@@ -130,3 +130,34 @@ impl PdSolver {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The decrements, over what is asked for, of a step in which cloth was squeezed between a table and a glass: small
+    /// ones come between large ones, at a value of G far above the minimum.
+    #[test]
+    fn small_decrements_between_large_ones_end_no_step() {
+        let squeezed = [
+            0.6, 0.65, 166.0, 0.6, 0.63, 0.77, 162.0, 0.62, 0.74, 159.0, 0.62, 0.7,
+        ];
+        let mut relapses = Relapses::default();
+        let ends = squeezed.map(|error| relapses.accepts([error, 2.0]));
+        assert_eq!(ends, [false; 12]);
+        // G has hardly decreased for some iterations: still not.
+        assert!(!relapses.accepts([0.7, 0.9]));
+        assert!(!relapses.accepts([0.7, 0.9]));
+        assert!(relapses.accepts([0.7, 0.9]), "five in a row");
+    }
+
+    #[test]
+    fn a_first_small_decrement_ends_a_step_that_has_had_none() {
+        let mut relapses = Relapses::default();
+        let ends = [300.0, 40.0, 1.5, 0.9].map(|error| relapses.accepts([error, 0.5]));
+        assert_eq!(ends, [false, false, false, true]);
+        // One that is a little larger again is no relapse.
+        assert!(!relapses.accepts([3.0, 0.5]));
+        assert!(relapses.accepts([0.9, 0.5]));
+    }
+}
