@@ -302,10 +302,7 @@ impl Contacts {
                 if distance.value >= keep {
                     continue;
                 }
-                let (local, distance) =
-                    self.support((number, time), [*vertex, distance.normal], |local| {
-                        obstacle.signed_distance(then.to_world(local), time)
-                    });
+                let (local, distance) = self.support(number, time, (*vertex, distance), obstacle);
                 let point = then.to_world(local);
                 let is_known = |met: &Meeting| {
                     met.other == other
@@ -331,31 +328,36 @@ impl Contacts {
         }
     }
 
-    /// The point (m) of the surface of a free body after `time` (s), in its frame, that is foremost against a normal near
-    /// a `vertex` of the surface, or the vertex where none is nearer to the obstacle; and the distance there. A round
-    /// body rolls on its surface, not on these vertices.
+    /// The point (m) of the surface of a free body after `time` (s), in its frame, that is nearest to an obstacle around
+    /// a `vertex` of the surface, or the vertex where none is nearer; and the distance there. A round body rolls on its
+    /// surface, not on these vertices.
     fn support(
         &self,
-        (number, time): (usize, Real),
-        [vertex, mut normal]: [Vec3; 2],
-        distance: impl Fn(Vec3) -> Distance,
+        number: usize,
+        time: Real,
+        (vertex, distance): (Vec3, Distance),
+        obstacle: &Obstacle,
     ) -> (Vec3, Distance) {
         let free = &self.free.list[number];
         let (body, _) = &self.bodies[free.number];
-        let turned = body.motion().pose_at(time).orientation;
-        let (mut best, mut least) = (vertex, distance(vertex));
+        let pose = body.motion().pose_at(time);
+        let (mut best, mut least) = (vertex, distance);
         for _ in 0..SUPPORTS {
             // The feet of points in front: the far one is soon foremost before a plane, the near one before a ball.
-            let ahead = turned.inverse_transform_vector(&normal) * free.radius;
+            let normal = pose.orientation.inverse_transform_vector(&least.normal);
+            let ahead = normal * free.radius;
             let from = best;
             for far in FAR {
                 let before = from - ahead * far;
                 let foot = body.shape().signed_distance(before);
                 let point = before - foot.normal * foot.value;
-                let there = distance(point);
-                let off = body.shape().signed_distance(point).value.abs();
-                if there.value < least.value && off <= ROUNDING * free.radius {
-                    (best, least, normal) = (point, there, there.normal);
+                let there = obstacle.signed_distance(pose.to_world(point), time);
+                let is_on_surface = || {
+                    let off = body.shape().signed_distance(point).value.abs();
+                    off <= ROUNDING * free.radius
+                };
+                if there.value < least.value && is_on_surface() {
+                    (best, least) = (point, there);
                 }
             }
             if best == from {
