@@ -156,4 +156,19 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
         self.stencils
             .visit::<true, E, A, P>(&self.elements, slots, x, visit);
     }
+
+    /// A sweep, or one `BACK`, in which each visit is shown what `shared` holds for its vertices.
+    ///
+    /// # Panics
+    /// As [`Colored::sweep`], and if `shared` is not as long as the vertices.
+    pub(crate) fn sweep_with<const BACK: bool, A: Send, P: Copy + Send, W: Copy + Sync>(
+        &self,
+        slots: &mut [A],
+        x: &mut [P],
+        shared: &[W],
+        visit: impl Fn(&E, &mut A, &mut [P; N], &[W; N]) + Sync,
+    ) {
+        self.stencils
+            .visit_with::<BACK, E, A, P, W>(&self.elements, slots, x, shared, visit);
+    }
 }

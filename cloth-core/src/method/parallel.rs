@@ -145,10 +145,29 @@ impl<const N: usize> Stencils<N> {
         x: &mut [P],
         visit: impl Fn(&E, &mut A, &mut [P; N]) + Sync,
     ) {
+        let nothing = vec![(); x.len()]; // takes no memory
+        let visit =
+            |element: &E, slot: &mut A, x: &mut [P; N], _: &[(); N]| visit(element, slot, x);
+        self.visit_with::<BACK, E, A, P, ()>(elements, slots, x, &nothing, visit);
+    }
+
+    /// The same, and each visit is shown what `shared` holds for its vertices.
+    ///
+    /// # Panics
+    /// As [`Stencils::visit`], and if `shared` is not as long as the vertices.
+    pub(crate) fn visit_with<const BACK: bool, E: Sync, A: Send, P: Copy + Send, W: Copy + Sync>(
+        &self,
+        elements: &[E],
+        slots: &mut [A],
+        x: &mut [P],
+        shared: &[W],
+        visit: impl Fn(&E, &mut A, &mut [P; N], &[W; N]) + Sync,
+    ) {
         let count = self.vertices.len();
         assert_eq!(elements.len(), count, "one stencil per element");
         assert_eq!(slots.len(), count, "one slot per element");
         assert_eq!(x.len(), self.vertex_count, "one position per vertex");
+        assert_eq!(shared.len(), self.vertex_count, "one weight per vertex");
         let stage_count = self.stages.len();
         for done in 0..stage_count {
             let stage = if BACK { stage_count - 1 - done } else { done };
@@ -158,9 +177,10 @@ impl<const N: usize> Stencils<N> {
                 bounds: &self.stages[stage],
             };
             #[allow(unsafe_code)]
-            // SAFETY: `new` made sure that no two parts of a stage share a vertex.
+            // SAFETY: `new` made sure that all vertices are below `vertex_count`, and that no two parts of a stage share
+            // one; there are as many positions and shared values.
             unsafe {
-                visit_stage::<BACK, N, E, A, P>(&parts, slots, x, &visit);
+                visit_stage::<BACK, N, E, A, P, W>(&parts, slots, (x, shared), &visit);
             }
         }
     }
@@ -189,26 +209,33 @@ impl<const N: usize, E> Parts<'_, N, E> {
 /// Visits the elements of one stage.
 ///
 /// # Safety
-/// No vertex is in two of the parts.
+/// No vertex is in two of the parts, and all are below the numbers of positions and of shared values.
 #[allow(unsafe_code)] // the reason is in the section above
-unsafe fn visit_stage<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
+unsafe fn visit_stage<
+    const BACK: bool,
+    const N: usize,
+    E: Sync,
+    A: Send,
+    P: Copy + Send,
+    W: Copy + Sync,
+>(
     parts: &Parts<'_, N, E>,
     slots: &mut [A],
-    x: &mut [P],
-    visit: &(impl Fn(&E, &mut A, &mut [P; N]) + Sync),
+    (x, shared): (&mut [P], &[W]),
+    visit: &(impl Fn(&E, &mut A, &mut [P; N], &[W; N]) + Sync),
 ) {
     let slots = &mut slots[parts.range()];
-    let x = &Positions::new(x);
+    let x = &Positions::new(x, shared);
     // SAFETY: `x` is borrowed mutably until this returns, so no one else touches it; the parts share no vertex, as the
     // caller says.
     unsafe {
         #[cfg(feature = "parallel")]
         if slots.len() >= SMALLEST_PARALLEL_SET && rayon::current_num_threads() > 1 {
             let grain = slots.len() / (4 * rayon::current_num_threads());
-            visit_parts::<BACK, N, E, A, P>(parts, slots, x, grain, visit);
+            visit_parts::<BACK, N, E, A, P, W>(parts, slots, x, grain, visit);
             return;
         }
-        visit_part::<BACK, N, E, A, P>(parts, slots, x, visit);
+        visit_part::<BACK, N, E, A, P, W>(parts, slots, x, visit);
     }
 }
 
@@ -216,18 +243,26 @@ unsafe fn visit_stage<const BACK: bool, const N: usize, E: Sync, A: Send, P: Cop
 ///
 /// # Safety
 /// No vertex is in two of the parts, and while this runs, nobody else reads or writes the positions of their vertices.
+/// All vertices are below the numbers of positions and of shared values.
 #[cfg(feature = "parallel")]
 #[allow(unsafe_code)] // the reason is in the section above
-unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
+unsafe fn visit_parts<
+    const BACK: bool,
+    const N: usize,
+    E: Sync,
+    A: Send,
+    P: Copy + Send,
+    W: Copy + Sync,
+>(
     parts: &Parts<'_, N, E>,
     slots: &mut [A],
-    x: &Positions<'_, P>,
+    x: &Positions<'_, P, W>,
     grain: usize,
-    visit: &(impl Fn(&E, &mut A, &mut [P; N]) + Sync),
+    visit: &(impl Fn(&E, &mut A, &mut [P; N], &[W; N]) + Sync),
 ) {
     if slots.len() <= grain || parts.bounds.len() <= 2 {
         // SAFETY: passed on.
-        unsafe { visit_part::<BACK, N, E, A, P>(parts, slots, x, visit) };
+        unsafe { visit_part::<BACK, N, E, A, P, W>(parts, slots, x, visit) };
         return;
     }
     let middle = parts.bounds.len() / 2;
@@ -239,32 +274,33 @@ unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send, P: Cop
     let (first_slots, second_slots) = slots.split_at_mut(first.range().len());
     // SAFETY: the two halves are of different parts, so they share no vertex.
     join_on_threads(
-        || unsafe { visit_parts::<BACK, N, E, A, P>(&first, first_slots, x, grain, visit) },
-        || unsafe { visit_parts::<BACK, N, E, A, P>(&second, second_slots, x, grain, visit) },
+        || unsafe { visit_parts::<BACK, N, E, A, P, W>(&first, first_slots, x, grain, visit) },
+        || unsafe { visit_parts::<BACK, N, E, A, P, W>(&second, second_slots, x, grain, visit) },
     );
 }
 
 /// Visits all elements of `parts` on this thread, in the best instructions that the processor has.
 ///
 /// # Safety
-/// While this runs, nobody else reads or writes the positions of the vertices of these parts.
+/// While this runs, nobody else reads or writes the positions of the vertices of these parts. All vertices are below the
+/// numbers of positions and of shared values.
 #[allow(unsafe_code)] // the reason is in the section above
-unsafe fn visit_part<const BACK: bool, const N: usize, E, A, P: Copy>(
+unsafe fn visit_part<const BACK: bool, const N: usize, E, A, P: Copy, W: Copy>(
     parts: &Parts<'_, N, E>,
     slots: &mut [A],
-    x: &Positions<'_, P>,
-    visit: &impl Fn(&E, &mut A, &mut [P; N]),
+    x: &Positions<'_, P, W>,
+    visit: &impl Fn(&E, &mut A, &mut [P; N], &[W; N]),
 ) {
     let range = parts.range();
     let (elements, stencils) = (&parts.elements[range.clone()], &parts.stencils[range]);
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx2") {
         // SAFETY: passed on, and the processor has the instructions.
-        unsafe { visit_each_avx2::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) };
+        unsafe { visit_each_avx2::<BACK, N, E, A, P, W>(elements, stencils, slots, x, visit) };
         return;
     }
     // SAFETY: passed on.
-    unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
+    unsafe { visit_each::<BACK, N, E, A, P, W>(elements, stencils, slots, x, visit) }
 }
 
 /// [`visit_each`] in the instructions of newer processors, with the same bits, if `visit` is inlined.
@@ -274,15 +310,15 @@ unsafe fn visit_part<const BACK: bool, const N: usize, E, A, P: Copy>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 #[allow(unsafe_code)] // the reason is in the section above
-unsafe fn visit_each_avx2<const BACK: bool, const N: usize, E, A, P: Copy>(
+unsafe fn visit_each_avx2<const BACK: bool, const N: usize, E, A, P: Copy, W: Copy>(
     elements: &[E],
     stencils: &[[u32; N]],
     slots: &mut [A],
-    x: &Positions<'_, P>,
-    visit: &impl Fn(&E, &mut A, &mut [P; N]),
+    x: &Positions<'_, P, W>,
+    visit: &impl Fn(&E, &mut A, &mut [P; N], &[W; N]),
 ) {
     // SAFETY: passed on.
-    unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
+    unsafe { visit_each::<BACK, N, E, A, P, W>(elements, stencils, slots, x, visit) }
 }
 
 /// Positions are prefetched this many elements ahead of their visit: long enough for the memory to answer.
@@ -294,15 +330,16 @@ const FAR: usize = 1 << 17;
 /// The one loop behind all visits.
 ///
 /// # Safety
-/// While this runs, nobody else reads or writes the positions of these stencils' vertices.
+/// While this runs, nobody else reads or writes the positions of these stencils' vertices. All vertices are below the
+/// numbers of positions and of shared values.
 #[allow(unsafe_code)] // the reason is in the section above
 #[inline(always)]
-unsafe fn visit_each<const BACK: bool, const N: usize, E, A, P: Copy>(
+unsafe fn visit_each<const BACK: bool, const N: usize, E, A, P: Copy, W: Copy>(
     elements: &[E],
     stencils: &[[u32; N]],
     slots: &mut [A],
-    x: &Positions<'_, P>,
-    visit: &impl Fn(&E, &mut A, &mut [P; N]),
+    x: &Positions<'_, P, W>,
+    visit: &impl Fn(&E, &mut A, &mut [P; N], &[W; N]),
 ) {
     let count = slots.len();
     let (elements, stencils) = (&elements[..count], &stencils[..count]);
@@ -323,14 +360,19 @@ unsafe fn visit_each<const BACK: bool, const N: usize, E, A, P: Copy>(
             for corner in 1..N {
                 places[corner] = x.place(stencils[i][corner]);
             }
-            // SAFETY: the places are in bounds and aligned, and no other thread uses them, as the caller says. No
+            // SAFETY: the places are in bounds and no other thread uses them, as the caller says, and aligned. No
             // reference to a position lives across `visit`.
             let mut local = [unsafe { *places[0] }; N];
             for corner in 1..N {
                 // SAFETY: as above.
                 local[corner] = unsafe { *places[corner] };
             }
-            visit(&elements[i], &mut slots[i], &mut local);
+            let mut shared = [x.shared[0]; N];
+            for corner in 0..N {
+                // SAFETY: in bounds, as the caller says.
+                shared[corner] = unsafe { *x.shared.get_unchecked(stencils[i][corner] as usize) };
+            }
+            visit(&elements[i], &mut slots[i], &mut local, &shared);
             for i in 0..N {
                 // SAFETY: as above.
                 unsafe {
@@ -342,31 +384,34 @@ unsafe fn visit_each<const BACK: bool, const N: usize, E, A, P: Copy>(
 }
 
 /// The positions of all vertices, mutably borrowed, in a form that threads can share.
-struct Positions<'a, P> {
+struct Positions<'a, P, W> {
     first: *mut P,
     count: usize,
+    /// What all visits of a vertex are shown.
+    shared: &'a [W],
     borrow: PhantomData<&'a mut [P]>,
 }
 
 // SAFETY: only `visit_each` uses the pointer, under the condition it states; what it hands from thread to thread is
 // `Send`.
 #[allow(unsafe_code)]
-unsafe impl<P: Send> Sync for Positions<'_, P> {}
+unsafe impl<P: Send, W: Sync> Sync for Positions<'_, P, W> {}
 
-impl<'a, P> Positions<'a, P> {
-    fn new(x: &'a mut [P]) -> Self {
+impl<'a, P, W> Positions<'a, P, W> {
+    fn new(x: &'a mut [P], shared: &'a [W]) -> Self {
         Self {
             first: x.as_mut_ptr(),
             count: x.len(),
+            shared,
             borrow: PhantomData,
         }
     }
 
-    /// Where a position lies.
+    /// Where the position of a vertex below the number of positions lies.
     #[inline]
     fn place(&self, vertex: u32) -> *mut P {
-        assert!((vertex as usize) < self.count, "no such vertex");
-        // In bounds, so wrapping never happens; this form needs no `unsafe`.
+        debug_assert!((vertex as usize) < self.count, "no such vertex");
+        // Wrapping never happens; this form needs no `unsafe`.
         self.first.wrapping_add(vertex as usize)
     }
 }

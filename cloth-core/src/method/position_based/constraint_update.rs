@@ -22,7 +22,8 @@ pub struct RowState {
 pub struct RowEquation {
     /// The residual (unit of C) that Δλ is to bring to zero.
     pub residual: Real,
-    /// α̃, added to w̃ (unit of C² per kg m²): not negative, finite; 0 for a hard row.
+    /// α̃, added to w̃ (unit of C² per kg m²): not negative, finite; 0 for a hard row. The three rows of a
+    /// [`VectorRow`](crate::element::VectorRow), which have one stiffness, have the α̃ of the first.
     pub scaled_compliance: Real,
 }
 

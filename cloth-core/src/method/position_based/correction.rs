@@ -13,12 +13,12 @@ use crate::math::{Real, Vec3};
 pub(super) fn project<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     update: &U,
     element: &E,
-    inverse_mass: &[Real],
+    w: &[Real; N],
     fraction: Real,
     memory: &mut [U::Memory],
     x: &mut [Vec3; N],
 ) {
-    let moved = correction(update, element, inverse_mass, fraction, memory, x);
+    let moved = correction(update, element, w, fraction, memory, x);
     for i in 0..N {
         x[i] += moved[i];
     }
@@ -29,23 +29,22 @@ pub(super) fn project<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
 pub(super) fn correction<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     update: &U,
     element: &E,
-    inverse_mass: &[Real],
+    w: &[Real; N],
     fraction: Real,
     memory: &mut [U::Memory],
     x: &[Vec3; N],
 ) -> [Vec3; N] {
-    let w = element.vertices().map(|v| inverse_mass[v as usize]);
     let form = element.row_form(x);
     if let RowForm::Vector(row) = form {
-        vector_row_correction(update, &row, &w, fraction, memory, x)
+        vector_row_correction(update, &row, w, fraction, memory, x)
     } else if let RowForm::Unit(row) = form {
-        unit_row_correction(update, &row, &w, fraction, memory)
+        unit_row_correction(update, &row, w, fraction, memory)
     } else if let Some(rows) = element.dead_zone_rows(x) {
-        dead_zone_correction(update, rows.as_ref(), &w, fraction, memory)
+        dead_zone_correction(update, rows.as_ref(), w, fraction, memory)
     } else if U::ROWS_TOGETHER && E::Rows::LEN > 1 {
-        coupled_correction(update, &element.rows(x), &w, fraction, memory)
+        coupled_correction(update, &element.rows(x), w, fraction, memory)
     } else {
-        row_by_row_correction(update, &element.rows(x), &w, fraction, memory)
+        row_by_row_correction(update, &element.rows(x), w, fraction, memory)
     }
 }
 
@@ -99,25 +98,34 @@ fn vector_row_correction<const N: usize, U: ConstraintUpdate>(
     x: &[Vec3; N],
 ) -> [Vec3; N] {
     let value = row.value(x);
-    let mut weights = *w;
+    let (mut weights, mut scaled) = (*w, *w);
     for i in 0..N {
-        weights[i] *= row.coefficients[i] * row.coefficients[i];
+        scaled[i] *= row.coefficients[i];
+        weights[i] = scaled[i] * row.coefficients[i];
     }
     let weight = sum(&weights);
-    let mut change = Vec3::zeros();
-    for axis in 0..3 {
+    let mut equation = |axis: usize| {
         let seen = RowState {
             value: value[axis],
             stiffness: row.stiffness,
             weight,
         };
-        let equation = update.equation(seen, &mut memory[axis]);
-        change[axis] = fraction * change_over(1.0, equation, weight);
+        update.equation(seen, &mut memory[axis])
+    };
+    let (first, second, third) = (equation(0), equation(1), equation(2));
+    // One quotient for the three, and it does not wait for the positions.
+    let unit = RowEquation {
+        residual: 1.0,
+        ..first
+    };
+    let factor = fraction * change_over(1.0, unit, weight);
+    let change = Vec3::new(first.residual, second.residual, third.residual) * factor;
+    for axis in 0..3 {
         update.accumulate(change[axis], &mut memory[axis]);
     }
     let mut moved = [Vec3::zeros(); N];
     for i in 0..N {
-        moved[i] = change * (w[i] * row.coefficients[i]);
+        moved[i] = change * scaled[i];
     }
     moved
 }

@@ -83,21 +83,13 @@ fn sweep_elements<const REVERSED: bool, const N: usize, E: Constraint<N>, U: Con
     w: &[Real],
     x: &mut [Vec3],
 ) {
-    if REVERSED {
-        elements.sweep_back(
-            memory,
-            x,
-            #[inline(always)]
-            |element, memory, x| project(update, element, w, relaxation, memory.as_mut(), x),
-        );
-    } else {
-        elements.sweep(
-            memory,
-            x,
-            #[inline(always)]
-            |element, memory, x| project(update, element, w, relaxation, memory.as_mut(), x),
-        );
-    }
+    elements.sweep_with::<REVERSED, _, _, _>(
+        memory,
+        x,
+        w,
+        #[inline(always)]
+        |element, memory, x, w| project(update, element, w, relaxation, memory.as_mut(), x),
+    );
 }
 
 impl<const N: usize, E: Constraint<N>, U: ConstraintUpdate> AnyFamily<U>
@@ -141,7 +133,8 @@ impl<const N: usize, E: Constraint<N>, U: ConstraintUpdate> AnyFamily<U>
         let correct = |element: &E, &fraction: &Real, memory: &mut Slot<N, E, U>| -> [Vec3; N] {
             let vertices = element.vertices();
             let x = gather(x, vertices);
-            correction(update, element, inverse_mass, fraction, memory.as_mut(), &x)
+            let w = vertices.map(|vertex| inverse_mass[vertex as usize]);
+            correction(update, element, &w, fraction, memory.as_mut(), &x)
         };
         let (moves, _) = moves.as_chunks_mut::<N>();
         jacobi::each_element(
