@@ -20,7 +20,7 @@ impl Handed {
     /// `animation` has been what moves it until `since` (s).
     pub(super) fn after(animation: &AnimatedMesh, since: Real) -> Self {
         let mut from = vec![Vec3::zeros(); animation.vertex_count()];
-        animation.place(since, &mut from);
+        animation.interpolate(since, &mut from);
         Self {
             to: from.clone(),
             from,

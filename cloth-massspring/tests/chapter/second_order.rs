@@ -160,7 +160,7 @@ fn driven_pins_do_not_spoil_the_second_order() {
             state.velocities[0] = Vec3::x();
             let dt = 0.8 / Real::from(steps);
             for _ in 0..steps {
-                pins.set_velocities(&mut state, dt);
+                pins.set_velocities(&mut state, dt).unwrap();
                 solver
                     .step(&mut state, StepInput::new(dt).gravity(DOWN))
                     .unwrap();
