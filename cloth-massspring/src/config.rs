@@ -10,7 +10,8 @@ use cloth_core::step::BuildError;
 /// Settings of [`crate::ExplicitEuler`] and [`crate::SymplecticEuler`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExplicitConfig {
-    /// Number of equal substeps in a step; one evaluation of the forces each.
+    /// Number of equal substeps in a step; one evaluation of the forces each. A step of Δt needs at least Δt over
+    /// [`stable_time_step`](crate::stable_time_step), rounded up.
     pub substeps: u32,
     /// What to do about steps that are too large.
     pub stability: StabilityCheck,
