@@ -53,6 +53,12 @@ impl Handed {
 }
 
 impl Surfaces {
+    /// How many bodies have shapes.
+    pub(super) fn animated_count(&self) -> usize {
+        let is_own = |s: &&Surface| matches!(s.motion, SurfaceMotion::Own(..));
+        self.list.iter().filter(is_own).count()
+    }
+
     /// The body of this number of those that have shapes.
     pub(super) fn animated(&self, number: usize) -> Option<&Surface> {
         let is_own = |s: &&Surface| matches!(s.motion, SurfaceMotion::Own(..));

@@ -350,7 +350,13 @@ impl Near {
         (of(a) * of(d)).sqrt()
     }
 
-    /// The same of a vertex of the cloth before a body of coefficient `friction`.
+    /// Changes the coefficient of friction μ (dimensionless) that the surface of a body has.
+    pub(super) fn set_body_friction(&mut self, body: usize, friction: Real) {
+        let sides = self.surfaces.iter_mut().filter(|side| side.body == body);
+        sides.for_each(|side| side.friction = friction);
+    }
+
+    /// The same as [`friction`](Self::friction) of a vertex of the cloth before a body of coefficient `friction`.
     pub(super) fn friction_on(&self, vertex: usize, friction: Real) -> Real {
         let own = self.own.frictions.get(vertex);
         own.map_or(friction, |own| (own * friction).sqrt())

@@ -2,6 +2,7 @@
 //! `cargo test --release -p cloth-collide --test all potential::`.
 
 mod animated;
+mod between_steps;
 mod bodies_in_time;
 mod body_surfaces;
 mod candidates;
