@@ -332,8 +332,11 @@ fn simulate(
         run_changing(scene, &mut solver, &mut state, plan, after)
     });
     bar.finish_and_clear();
-    // Of a run that failed too: what came before the failure may show why.
+    // Of a run that failed too: what came before the failure may show why. Before the first step there is nothing.
     let exported = export.map(Export::finish).transpose();
+    let has_run = finished.is_ok();
+    let table = table.filter(|table| has_run || !table.is_empty());
+    let pin_loads = pin_loads.filter(|table| has_run || !table.is_empty());
     if let (Some(file), Some(table)) = (&arguments.forces, &table) {
         write_file(file, table.text().as_bytes())?;
     }
