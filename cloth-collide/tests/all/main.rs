@@ -35,4 +35,5 @@ mod solids;
 mod taken_back;
 #[path = "../../../cloth-bench/src/mesh_spec/tangled.rs"]
 mod tangled_garments;
+mod too_far;
 mod untangle;
