@@ -135,8 +135,8 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// moves.
     ///
     /// # Errors
-    /// If the start of the step is not in order, `start` is too far ([`ContactError::TooFar`]), or prescribed vertices or
-    /// obstacles have no free path.
+    /// If the start of the step is not in order, `start` is too far ([`ContactError::TooFar`]), or prescribed vertices
+    /// or obstacles have no free path.
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
     /// The fraction of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready

@@ -122,8 +122,8 @@ impl Pins {
     /// Sets the velocities (m/s) with which the pins reach their paths after a step of `dt` (s).
     ///
     /// # Errors
-    /// [`ParticleError::InvalidTimeStep`] if `dt` is not positive and finite; [`ParticleError::NoSuchVertex`] if `state`
-    /// has fewer vertices than the particles the pins were made for. Nothing has changed then.
+    /// [`ParticleError::InvalidTimeStep`] if `dt` is not positive and finite; [`ParticleError::NoSuchVertex`] if
+    /// `state` has fewer vertices than the particles the pins were made for. Nothing has changed then.
     /// [`ParticleError::InvalidPath`] if the velocity of a pin would not be finite; those of the pins that were added
     /// before it are set then.
     pub fn set_velocities(&self, state: &mut State, dt: Real) -> Result<(), ParticleError> {

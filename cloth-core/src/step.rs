@@ -516,8 +516,8 @@ impl fmt::Display for StepError {
                 step,
             } => write!(
                 f,
-                "step {step} is unstable: the time step is {dt:.4e} s, the largest stable one is {stable_dt:.4e} s: set \
-                 at least {} times as many substeps, or take as many steps of that fraction of the size",
+                "step {step} is unstable: the time step is {dt:.4e} s, the largest stable one is {stable_dt:.4e} s: \
+                 set at least {} times as many substeps, or take as many steps of that fraction of the size",
                 (dt / stable_dt).ceil()
             ),
             Self::EnergyGain {

@@ -23,7 +23,8 @@ pub struct ExplicitConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StabilityCheck {
-    /// Estimate the largest stable step, refuse larger ones, and end a run that gains energy from nowhere.
+    /// Estimate the largest stable step, refuse larger ones, and end a run that gains energy from nowhere. (What an
+    /// element of negative stiffness gives does not come from nowhere: its energy falls without end.)
     #[default]
     Watch,
     /// Nothing, for studying what happens; only a result that is not finite is an error.

@@ -62,8 +62,8 @@ impl AnimatedMesh {
     /// Writes where the vertices are at `time` (s) to `out` (m).
     ///
     /// # Errors
-    /// [`ObstacleError::OutOfRange`] if `out` does not have one place per vertex, or the time is not a number (it may be
-    /// infinite). Nothing is written then.
+    /// [`ObstacleError::OutOfRange`] if `out` does not have one place per vertex, or the time is not a number (it may
+    /// be infinite). Nothing is written then.
     pub fn place(&self, time: Real, out: &mut [Vec3]) -> Result<(), ObstacleError> {
         number("time of an animated surface (s)", time)?;
         let (found, expected) = (out.len(), self.vertex_count());

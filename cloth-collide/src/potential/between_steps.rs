@@ -72,8 +72,8 @@ impl PotentialContacts {
         Ok(())
     }
 
-    /// The same of cloth on a body, by its number (counted as in [`ContactForces::bodies`](super::ContactForces::bodies):
-    /// obstacles first, then surfaces that change their shape).
+    /// The same of cloth on a body, by its number, counted as in
+    /// [`ContactForces::bodies`](super::ContactForces::bodies): obstacles first, then surfaces that change their shape.
     ///
     /// # Errors
     /// [`OutOfRange`] if no body has this number, or the coefficient is negative or not finite; nothing has changed
