@@ -195,7 +195,7 @@ impl<'a> Course<'a> {
         let is_tangled = self.untangling.begin_part(&self.scene, contacts, state)?;
         self.seconds = started.elapsed().as_secs_f64();
         if let Some(pins) = &self.scene.pins {
-            pins.set_velocities(state, dt);
+            pins.set_velocities(state, dt).map_err(BenchError::failed)?;
         }
         if let Some(balance) = &mut balance {
             balance.begin_step(state);

@@ -383,6 +383,7 @@
 //! - M. Li, D. M. Kaufman and C. Jiang, Codimensional incremental potential contact, *ACM Transactions on Graphics*
 //!   40(4), 2021. DOI 10.1145/3450626.3459767: the offset ξ.
 
+mod between_steps;
 mod bodies;
 mod builder;
 mod clock;

@@ -87,6 +87,24 @@ impl Default for AirConfig {
     }
 }
 
+impl AirConfig {
+    fn check(&self) -> Result<(), OutOfRange> {
+        for (name, value) in [
+            ("the density of the air", self.density),
+            ("the drag", self.drag),
+            ("the lift", self.lift),
+        ] {
+            not_negative(name, value)?;
+        }
+        let is_right = self.lift == 0.0 || self.drag > 0.0;
+        within(is_right, "the lift", self.lift, "zero without drag")?;
+        for value in &self.wind {
+            finite("the wind", *value)?;
+        }
+        Ok(())
+    }
+}
+
 /// The air around one cloth.
 ///
 /// ```
@@ -127,18 +145,7 @@ impl Air {
     /// [`OutOfRange`] for a number that is not finite, a density or a coefficient below zero, a lift without drag (an
     /// explicit force across the flow only adds energy), or an areal density that is not positive.
     pub fn new(config: AirConfig, areal_density: Real, mesh: &TriMesh) -> Result<Self, OutOfRange> {
-        for (name, value) in [
-            ("the density of the air", config.density),
-            ("the drag", config.drag),
-            ("the lift", config.lift),
-        ] {
-            not_negative(name, value)?;
-        }
-        let is_right = config.lift == 0.0 || config.drag > 0.0;
-        within(is_right, "the lift", config.lift, "zero without drag")?;
-        for value in &config.wind {
-            finite("the wind", *value)?;
-        }
+        config.check()?;
         positive("the areal density", areal_density)?;
         Ok(Self {
             config,
@@ -151,6 +158,22 @@ impl Air {
             work: None,
             projection: Projection::default(),
         })
+    }
+
+    /// What the air is like.
+    #[must_use]
+    pub fn config(&self) -> &AirConfig {
+        &self.config
+    }
+
+    /// Changes what the air is like, from the next step on: a gust, for instance.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] as in [`Air::new`]; nothing has changed then.
+    pub fn set_config(&mut self, config: AirConfig) -> Result<(), OutOfRange> {
+        config.check()?;
+        self.config = config;
+        Ok(())
     }
 
     /// A bound on the force per area (Pa) of the wind w on cloth at rest, `½ ρ (C_D + C_L) w²`. Without lift cloth

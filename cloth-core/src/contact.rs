@@ -135,7 +135,8 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// moves.
     ///
     /// # Errors
-    /// If the start of the step is not in order, or prescribed vertices or obstacles have no free path.
+    /// If the start of the step is not in order, `start` is too far ([`ContactError::TooFar`]), or prescribed vertices
+    /// or obstacles have no free path.
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
     /// The fraction of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready
@@ -201,7 +202,7 @@ pub trait ContactConstraints {
     /// touch.
     ///
     /// # Errors
-    /// [`ContactError::NonFinite`].
+    /// [`ContactError::NonFinite`], [`ContactError::TooFar`].
     fn begin_substep(
         &mut self,
         step: &ContactStep<'_>,
@@ -358,6 +359,15 @@ pub enum ContactError {
         /// The body that it crosses: obstacles first, then animated surfaces; `None` for the cloth itself.
         body: Option<usize>,
     },
+    /// A vertex would go so far that its coordinates no longer tell distances of contact apart: it is far too fast.
+    TooFar {
+        /// The vertex.
+        vertex: usize,
+        /// Its largest coordinate there (m), without the sign.
+        coordinate: Real,
+        /// The most that it may be (m).
+        most: Real,
+    },
     /// The step does not begin where the last one has left the bodies that move.
     WrongTime {
         /// At which time the step begins (s).
@@ -416,6 +426,15 @@ impl fmt::Display for ContactError {
                      one with vertices {a}, {b} and {c} of the cloth and one of {other}; untangle them first"
                 )
             }
+            Self::TooFar {
+                vertex,
+                coordinate,
+                most,
+            } => write!(
+                f,
+                "vertex {vertex} would go to a coordinate of {coordinate:.3e} m, but beyond {most:.3e} m rounding is \
+                 more than a hundredth of the thickness of contact: it is too fast"
+            ),
             Self::WrongTime { time, expected } => write!(
                 f,
                 "the step begins at {time} s, but moving bodies are where they are at {expected} s: contacts belong \

@@ -251,6 +251,18 @@ pub enum ParticleError {
         /// How many there are.
         vertex_count: usize,
     },
+    /// The step in which pins are to reach their paths is zero, negative or not finite.
+    InvalidTimeStep {
+        /// The step size (s).
+        dt: Real,
+    },
+    /// A pin is nowhere, or so far from its path that no finite velocity takes it there.
+    InvalidPath {
+        /// The vertex.
+        vertex: usize,
+        /// When it would have to be there (s).
+        time: Real,
+    },
 }
 
 impl fmt::Display for ParticleError {
@@ -270,6 +282,14 @@ impl fmt::Display for ParticleError {
             } => write!(
                 f,
                 "there is no vertex {vertex}: the cloth has {vertex_count} vertices, numbered from 0"
+            ),
+            Self::InvalidTimeStep { dt } => write!(
+                f,
+                "the time step is {dt} s, but it has to be a positive finite number"
+            ),
+            Self::InvalidPath { vertex, time } => write!(
+                f,
+                "no finite velocity takes pinned vertex {vertex} to where its path is at {time} s"
             ),
         }
     }

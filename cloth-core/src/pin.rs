@@ -1,6 +1,6 @@
 //! Pins that move on a prescribed path.
 
-use crate::math::{Real, Vec3};
+use crate::math::{Real, Vec3, is_finite};
 use crate::particles::{ParticleError, Particles, State};
 use nalgebra::{Rotation3, Unit};
 use std::fmt;
@@ -121,13 +121,31 @@ impl Pins {
 
     /// Sets the velocities (m/s) with which the pins reach their paths after a step of `dt` (s).
     ///
-    /// # Panics
-    /// If `dt` is not a positive number, or `state` has fewer vertices than the particles the pins were made for.
-    pub fn set_velocities(&self, state: &mut State, dt: Real) {
-        assert!(dt > 0.0, "the step is {dt} s, but it has to be positive");
-        for (vertex, path) in &self.paths {
-            let goal = path(state.time + dt);
-            state.velocities[*vertex] = (goal - state.positions[*vertex]) / dt;
+    /// # Errors
+    /// [`ParticleError::InvalidTimeStep`] if `dt` is not positive and finite; [`ParticleError::NoSuchVertex`] if
+    /// `state` has fewer vertices than the particles the pins were made for. Nothing has changed then.
+    /// [`ParticleError::InvalidPath`] if the velocity of a pin would not be finite; those of the pins that were added
+    /// before it are set then.
+    pub fn set_velocities(&self, state: &mut State, dt: Real) -> Result<(), ParticleError> {
+        if !(dt > 0.0 && dt.is_finite()) {
+            return Err(ParticleError::InvalidTimeStep { dt });
         }
+        let vertex_count = state.positions.len().min(state.velocities.len());
+        let last = self.paths.iter().map(|(vertex, _)| *vertex).max();
+        if let Some(vertex) = last.filter(|last| *last >= vertex_count) {
+            return Err(ParticleError::NoSuchVertex {
+                vertex,
+                vertex_count,
+            });
+        }
+        let time = state.time + dt;
+        for &(vertex, ref path) in &self.paths {
+            let velocity = (path(time) - state.positions[vertex]) / dt;
+            if !is_finite(&velocity) {
+                return Err(ParticleError::InvalidPath { vertex, time });
+            }
+            state.velocities[vertex] = velocity;
+        }
+        Ok(())
     }
 }

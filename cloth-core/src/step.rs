@@ -20,6 +20,9 @@ pub trait Stepper: Send + Sync {
 
     /// Advances `state` by `input.dt`.
     ///
+    /// Explicit methods take no step beyond their stable one ([`StepError::Unstable`]) and do not cut it by themselves:
+    /// the number of their substeps is a setting of theirs.
+    ///
     /// Contacts and air of the input go on with the state, and have one of their own: who keeps a state to come back to
     /// it keeps them with it. A method goes on from any state, but may take a step from one that it has not left itself
     /// as the first of all.
@@ -323,6 +326,10 @@ pub struct StepReport {
     pub coarse_fallbacks: u32,
     /// Minimisations that a quasi-Newton method did not bring to an end, so that Newton's method took over.
     pub newton_fallbacks: u32,
+    /// Steps that a method of several steps (BDF2) took by its starting formula, of first order, because it could not
+    /// go on from the step before: the first, one of another size or from another state, one after a jump. See the
+    /// method.
+    pub restarts: u32,
     /// Steps that ended at their most iterations, though they look for an end that they did not reach.
     pub unfinished: u32,
     /// What the method measures its convergence by, at the end, if it measures it; see the method.
@@ -351,6 +358,7 @@ impl StepReport {
             coarse_builds: 0,
             coarse_fallbacks: 0,
             newton_fallbacks: 0,
+            restarts: 0,
             unfinished: 0,
             residual: None,
             pin_work: None,
@@ -377,6 +385,7 @@ impl StepReport {
             coarse_builds: self.coarse_builds + next.coarse_builds,
             coarse_fallbacks: self.coarse_fallbacks + next.coarse_fallbacks,
             newton_fallbacks: self.newton_fallbacks + next.newton_fallbacks,
+            restarts: self.restarts + next.restarts,
             unfinished: self.unfinished + next.unfinished,
             residual: next.residual,
             pin_work: self.pin_work.zip(next.pin_work).map(|(a, b)| a + b),
@@ -507,7 +516,9 @@ impl fmt::Display for StepError {
                 step,
             } => write!(
                 f,
-                "step {step} is unstable: the time step is {dt:.4e} s, the largest stable one is {stable_dt:.4e} s"
+                "step {step} is unstable: the time step is {dt:.4e} s, the largest stable one is {stable_dt:.4e} s: \
+                 set at least {} times as many substeps, or take as many steps of that fraction of the size",
+                (dt / stable_dt).ceil()
             ),
             Self::EnergyGain {
                 kinetic,

@@ -10,7 +10,8 @@ use cloth_core::step::BuildError;
 /// Settings of [`crate::ExplicitEuler`] and [`crate::SymplecticEuler`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExplicitConfig {
-    /// Number of equal substeps in a step; one evaluation of the forces each.
+    /// Number of equal substeps in a step; one evaluation of the forces each. A step of Δt needs at least Δt over
+    /// [`stable_time_step`](crate::stable_time_step), rounded up.
     pub substeps: u32,
     /// What to do about steps that are too large.
     pub stability: StabilityCheck,
@@ -22,7 +23,8 @@ pub struct ExplicitConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StabilityCheck {
-    /// Estimate the largest stable step, refuse larger ones, and end a run that gains energy from nowhere.
+    /// Estimate the largest stable step, refuse larger ones, and end a run that gains energy from nowhere. (What an
+    /// element of negative stiffness gives does not come from nowhere: its energy falls without end.)
     #[default]
     Watch,
     /// Nothing, for studying what happens; only a result that is not finite is an error.

@@ -69,6 +69,10 @@ pub struct ExplicitEuler(Explicit);
 /// elements whose energy fell below 0) ends with the same error, or with [`StepError::EnergyGain`] where the step is
 /// not too large: contact has then stretched the cloth.
 ///
+/// Stiff cloth needs tens to hundreds of substeps in a step of the size of a frame: a step of Δt needs Δt over
+/// [`crate::stable_time_step`], rounded up, as [`ExplicitConfig::substeps`], and some more where springs are stretched
+/// in the motion. The message of the error says by how many times they are too few.
+///
 /// Contact acts at the end of every substep and lets nothing through: the straight paths of all vertices from the start
 /// of the substep are tested. Pairs that would come too near or cross are projected again; what is not free even then
 /// is cut back, moved as one rigid body or, last, left where it was. Where no free path is left the step is refused,

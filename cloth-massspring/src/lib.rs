@@ -388,11 +388,10 @@
 //! # Errors and bad input
 //! - **Meshes, materials, masses** are checked by `cloth-core` when they are made: a triangle without area, a wrong
 //!   index, a vertex of no triangle, a mass that is not positive.
-//! - **Elements made by hand**: only the numbers of their vertices are checked, when they are given to a builder. A
-//!   stiffness that is no number shows as [`StepError::NonFinite`]; a rest length of 0 makes the force linear. A
-//!   negative k pushes away from C = 0. In explicit methods that grows, and no check looks for it; implicit ones have a
-//!   minimum to find while `M/s² + H` is positive definite. Beyond, no [`HessianPolicy`] helps, as `k ∂C ∂Cᵀ` stays:
-//!   the step is refused ([`StepError::NotPositiveDefinite`]), spends its iterations or ends at no minimum.
+//! - **Elements made by hand**: vertices that are not there, a stiffness that is no number and rest data that are not
+//!   finite are refused when they are given to a builder; a rest length of 0 makes the force linear. A negative k
+//!   pushes away from C = 0. In explicit methods that grows, and no check looks for it; implicit ones have a minimum
+//!   to find while `M/s² + H` is positive definite. Beyond, no [`HessianPolicy`] helps, as `k ∂C ∂Cᵀ` stays: the step is refused ([`StepError::NotPositiveDefinite`]), spends its iterations or ends at no minimum.
 //! - **Building** is refused with a [`BuildError`]: a setting outside its range, settings that exclude each other
 //!   ([`Accept::Minimum`] without a factorisation), an element that names a vertex that does not exist, or one twice
 //!   (already by `energy`), a matrix too large for its indices.

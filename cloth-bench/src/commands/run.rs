@@ -41,6 +41,7 @@ Of the numbers that come out:
   coarse_builds        coarse grids that pd made anew because pins had changed
   coarse_fallbacks     iterations of pd's steps that went without the coarse grid, because it could not be made or factorised
   newton_fallbacks     minimisations of implicit steps in which Newton's method took over from the quasi-Newton method
+  restarts             steps of bdf2 taken by implicit Euler, of first order: the first, and those after a jump of velocities or load
   refinements          steps of xpbd taken again with twice as many substeps, because they would have gained energy
   rebuilds             changes of the cloth on the way (pins, tears) for which the method was built anew
   tangled_pairs        pairs of triangles of the cloth that passed through each other before each step, of a scene with untangle=yes, until nothing did
@@ -331,8 +332,11 @@ fn simulate(
         run_changing(scene, &mut solver, &mut state, plan, after)
     });
     bar.finish_and_clear();
-    // Of a run that failed too: what came before the failure may show why.
+    // Of a run that failed too: what came before the failure may show why. Before the first step there is nothing.
     let exported = export.map(Export::finish).transpose();
+    let has_run = finished.is_ok();
+    let table = table.filter(|table| has_run || !table.is_empty());
+    let pin_loads = pin_loads.filter(|table| has_run || !table.is_empty());
     if let (Some(file), Some(table)) = (&arguments.forces, &table) {
         write_file(file, table.text().as_bytes())?;
     }
@@ -371,7 +375,7 @@ fn simulate(
     ];
     pairs.extend(fields!(summary =>
         ms_per_step_median, ms_per_step_max, contact_ms_median, truncated_steps, pinched_steps, iterations, iterations_per_step,
-        linear_iterations, chebyshev_fallbacks, coarse_builds, coarse_fallbacks, newton_fallbacks, refinements,
+        linear_iterations, chebyshev_fallbacks, coarse_builds, coarse_fallbacks, newton_fallbacks, restarts, refinements,
         rebuilds, unfinished_steps, converged_steps, max_stretch, max_stretch_of_all, rms_strain, kinetic_energy, elastic_energy,
         gravity_energy, contact_energy, potential_energy, energy_excess, energy_given, contact_energy_at_start,
         center_of_mass_drop, intersections, obstacle_intersections, min_distance, min_clearance, max_seam_gap,

@@ -282,7 +282,8 @@ fn write_report(
         sections: Vec::new(),
     };
     for (_, findings) in done {
-        for (name, table) in &findings.data {
+        // Where every case has failed there is none; the remarks of the study say why.
+        for (name, table) in findings.data.iter().filter(|(_, t)| !t.rows.is_empty()) {
             keep(format!("data/{name}.csv"), table.to_csv().as_bytes())?;
         }
         for (name, svg) in &findings.section.plots {

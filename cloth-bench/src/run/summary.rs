@@ -44,6 +44,8 @@ pub struct Summary {
     pub coarse_fallbacks: u64,
     /// Minimisations in which Newton's method took over from the quasi-Newton method, summed over the steps.
     pub newton_fallbacks: u64,
+    /// Steps of BDF2 that were taken by implicit Euler.
+    pub restarts: u64,
     /// Changes of the cloth on the way for which the method had to be built anew.
     pub rebuilds: u32,
     /// Steps that ended at their most iterations, short of the end that they look for.
@@ -114,6 +116,7 @@ impl Summary {
         self.coarse_builds += u64::from(report.coarse_builds);
         self.coarse_fallbacks += u64::from(report.coarse_fallbacks);
         self.newton_fallbacks += u64::from(report.newton_fallbacks);
+        self.restarts += u64::from(report.restarts);
         self.refinements += u64::from(report.refinements);
         self.unfinished_steps += u32::from(report.unfinished > 0);
         self.converged_steps += u32::from(report.outcome == Outcome::Converged);

@@ -40,6 +40,10 @@ impl ContactSource for Timed {
         self.source.can_touch()
     }
 
+    fn check_time(&self, time: Real, dt: Real) -> Result<(), ContactError> {
+        self.source.check_time(time, dt)
+    }
+
     fn truncated_count(&self) -> usize {
         self.source.truncated_count()
     }

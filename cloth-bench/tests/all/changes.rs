@@ -188,8 +188,8 @@ fn vertices_are_chosen_within_a_piece() {
             "line 12: there is no vertex 27, only 0 to 26",
         ),
         (
-            "[[event]]\ntime = 0\ndo = \"tear\"\nmesh = 1\nbox = [[-9, -9, -9], [9, 9, 9]]\n",
-            "line 13: mesh has no meaning for a tear",
+            "[[event]]\ntime = 0\ndo = \"tear\"\nmesh = 2\nbox = [[-9, -9, -9], [9, 9, 9]]\n",
+            "line 13: there is no mesh 2, only 0 to 1",
         ),
     ] {
         let told = wrong(text);

@@ -1,9 +1,49 @@
 //! The time of contact is measured with every method.
 
 use crate::scene_text::scene;
-use cloth_bench::method::METHODS;
-use cloth_bench::run::from_start;
+use cloth_bench::method::{METHODS, Method};
+use cloth_bench::run::{from_start, run};
 use cloth_bench::settings::Settings;
+use cloth_core::particles::State;
+use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
+
+/// A method that lets the time of the state jump after each step.
+struct Jumping<'a>(&'a mut dyn Stepper);
+
+impl Stepper for Jumping<'_> {
+    fn name(&self) -> &'static str {
+        "jumping"
+    }
+
+    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
+        let report = self.0.step(state, input)?;
+        state.time += 0.5;
+        Ok(report)
+    }
+}
+
+/// The contacts of a run, whose time is measured, tell of a state that is of another time than its moving bodies.
+#[test]
+fn a_state_of_another_time_than_the_bodies_ends_a_run() {
+    let scene = scene(
+        "another-time",
+        "dt = 0.01\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [0, 0, 9]\n\
+         [[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nvelocity = [1, 0, 0]\n",
+    );
+    for method in ["implicit-euler", "xpbd"] {
+        let method = Method::find(method).unwrap();
+        let mut stepper = method
+            .build(&scene, &Settings::default(), scene.dt)
+            .unwrap();
+        let mut state = scene.start.clone();
+        let mut jumping = Jumping(&mut *stepper);
+        let ended = run(&scene, &mut jumping, &mut state, scene.dt, 3, |_, _, _| {
+            Ok(())
+        });
+        let said = ended.unwrap_err().to_string();
+        assert!(said.contains("step 2: the step begins at 0.51 s"), "{said}");
+    }
+}
 
 /// A sheet that lies on a ball and a sealed ball of cloth on a floor: of each method contact takes some of the time of
 /// a step, and never more.

@@ -359,6 +359,41 @@ fn impulses_of_a_fall_are_those_of_gravity() {
     }
 }
 
+/// An explicit step that is not stable: of no step there are forces to write down.
+#[test]
+fn a_run_that_is_refused_at_its_first_step_leaves_no_tables() {
+    let text = "dt = 0.01\nsteps = 3\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n\
+                [[pins]]\nselect = \"corners\"\n[[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -9]\n";
+    let path = written("refused-at-once", text);
+    let [forces, loads] = ["forces.csv", "loads.csv"].map(|end| path.with_extension(end));
+    let files = [&forces, &loads];
+    let [scene, force, load] = [&path, &forces, &loads].map(|path| path.to_str().unwrap());
+    for (substeps, code) in [("substeps=1", 1), ("substeps=auto", 0)] {
+        files
+            .iter()
+            .for_each(|file| drop(std::fs::remove_file(file)));
+        let out = program(&[
+            "run",
+            scene,
+            "--method",
+            "symplectic-euler",
+            "--set",
+            substeps,
+            "--forces",
+            force,
+            "--pin-loads",
+            load,
+        ]);
+        let said = String::from_utf8(out.stderr).unwrap();
+        assert_eq!(out.status.code(), Some(code), "{said}");
+        assert_eq!(said.contains("times as many substeps"), code == 1, "{said}");
+        assert!(
+            files.iter().all(|file| file.exists() == (code == 0)),
+            "{substeps}"
+        );
+    }
+}
+
 /// The rows of `--pin-loads` after the last step: by vertex, and their sum.
 fn pin_loads(name: &str, text: &str, method: &str) -> (Vec<(usize, Vec3)>, Vec3) {
     let path = written(name, text);

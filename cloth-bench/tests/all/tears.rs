@@ -6,9 +6,10 @@ use crate::rigid_bodies::{body, watch};
 use crate::scene_text::{scene, written};
 use cloth_bench::method::Method;
 use cloth_bench::run::{Plan, Solver, run_changing, to_rest};
-use cloth_bench::scene::Scene;
+use cloth_bench::scene::{ChangeKind, Scene};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
+use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::mesh::obj;
 use cloth_core::particles::State;
 
@@ -20,6 +21,41 @@ fn run(scene: &Scene, method: &str, settings: &[&str], steps: u32) -> (State, Sc
     let plan = Plan::new(scene.dt, steps);
     let ran = run_changing(scene, &mut solver, &mut state, plan, |_| Ok(()));
     (state, ran.unwrap().1)
+}
+
+/// Two sheets lie on each other, and a box that is in both tears what it says: out of one of them or, as it stands
+/// without a number, out of both; from files, too, whose vertices are put into another order.
+#[test]
+fn a_tear_with_the_number_of_a_mesh_leaves_the_others_whole() {
+    let sheet = grid(5, 9, 0.2, 0.4, Diagonals::Alternating).unwrap();
+    for (name, source) in [
+        (
+            "generated",
+            "generator = \"grid:5x9:alternating\"\nscale = 0.2\n",
+        ),
+        ("file", "file = \"two-torn.obj\"\n"),
+    ] {
+        let name = format!("two-torn-{name}");
+        let torn = |which: &str| {
+            let text = format!(
+                "[[mesh]]\n{source}[[mesh]]\n{source}translate = [0, 0, 1e-6]\n[[event]]\ndo = \"tear\"\n\
+                 time = 0.1\n{which}box = [[-1, 0.14, -1], [1, 0.21, 1]]\n"
+            );
+            let path = written(&name, &text).with_file_name("two-torn.obj");
+            obj::write(&path, sheet.positions(), sheet.triangles()).unwrap();
+            let scene = scene(&name, &text);
+            let ChangeKind::Tear { mesh, .. } = &scene.changes[0].kind else {
+                panic!("{which}");
+            };
+            let lower = |t: &&[u32; 3]| mesh.positions()[t[0] as usize].z == 0.0;
+            let lower = mesh.triangles().iter().filter(lower).count();
+            [lower, mesh.triangles().len() - lower]
+        };
+        let [lower, upper] = torn("");
+        assert!(lower == upper && 0 < lower && lower < 64, "{name}: {lower}");
+        assert_eq!(torn("mesh = 0\n"), [lower, 64], "{name}");
+        assert_eq!(torn("mesh = 1\n"), [64, upper], "{name}");
+    }
 }
 
 /// A strip hangs from another by links; a row of it is torn out, and the links carry what is left above.

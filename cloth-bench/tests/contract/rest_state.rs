@@ -51,7 +51,7 @@ fn driven_vertices_are_on_their_path_after_every_step() {
         let mut solver = solver(method, &scene);
         let mut state = scene.start.clone();
         for _ in 0..10 {
-            pins.set_velocities(&mut state, scene.dt);
+            pins.set_velocities(&mut state, scene.dt).unwrap();
             solver
                 .step(&mut state, StepInput::new(scene.dt).gravity(scene.gravity))
                 .unwrap();

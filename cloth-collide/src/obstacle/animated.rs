@@ -1,6 +1,7 @@
 //! A surface that changes its shape in a given way: a moving character.
 
 use super::{ObstacleError, positive};
+use cloth_core::error::{number, within};
 use cloth_core::math::{Real, Vec3, is_finite};
 use std::sync::Arc;
 
@@ -60,14 +61,25 @@ impl AnimatedMesh {
 
     /// Writes where the vertices are at `time` (s) to `out` (m).
     ///
-    /// # Panics
-    /// If there is not one place per vertex, or the time is not a number.
-    pub fn place(&self, time: Real, out: &mut [Vec3]) {
-        assert!(
-            !time.is_nan(),
-            "the time of an animated surface is {time} s"
-        );
-        assert_eq!(out.len(), self.vertex_count(), "one place a vertex");
+    /// # Errors
+    /// [`ObstacleError::OutOfRange`] if `out` does not have one place per vertex, or the time is not a number (it may
+    /// be infinite). Nothing is written then.
+    pub fn place(&self, time: Real, out: &mut [Vec3]) -> Result<(), ObstacleError> {
+        number("time of an animated surface (s)", time)?;
+        let (found, expected) = (out.len(), self.vertex_count());
+        let name = "number of places of an animated surface";
+        within(
+            found == expected,
+            name,
+            found as Real,
+            "that of its vertices",
+        )?;
+        self.interpolate(time, out);
+        Ok(())
+    }
+
+    /// The same, of a `time` (s) that is a number, to one place per vertex.
+    pub(crate) fn interpolate(&self, time: Real, out: &mut [Vec3]) {
         let last = self.shapes.len() - 1;
         let place = (time / self.interval).clamp(0.0, last as Real);
         let first = (place as usize).min(last.saturating_sub(1));

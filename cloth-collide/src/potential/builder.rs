@@ -71,7 +71,8 @@ impl<'a> PotentialBuilder<'a> {
     /// primitives of one connected component push from no farther than they are apart at rest, so h may be larger than
     /// an edge; what shares a vertex is no pair (the chapter has why). Up to a tenth of an edge κ means what it says to
     /// 1.3 times (the limits of the [chapter](super)). A small h costs iterations: methods that minimise move by at
-    /// most 10 h between two searches for pairs. Cloth rests on cloth a little less than h apart, not 2 h.
+    /// most 10 h between two searches for pairs. Cloth rests on cloth a little less than h apart, not 2 h. For
+    /// another one later, build anew.
     #[must_use]
     pub fn thickness(mut self, thickness: Real) -> Self {
         self.thickness = thickness;

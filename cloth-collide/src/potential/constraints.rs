@@ -146,9 +146,7 @@ impl ContactConstraints for Contacts {
             self.constraints.culled.is_on = true;
             return Ok(());
         }
-        if let Some(vertex) = predicted.iter().position(|x| !is_finite(x)) {
-            return Err(ContactError::NonFinite { vertex });
-        }
+        self.near.check_range(predicted)?;
         let constraints = &mut self.constraints;
         if let (true, Some(patches)) = (constraints.culled.end(), &mut constraints.patches) {
             patches.skip(step.from);

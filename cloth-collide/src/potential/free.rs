@@ -160,16 +160,6 @@ impl PotentialContacts {
         Ok(true)
     }
 
-    /// Where the bodies that the cloth pushes are after the last step, with the velocities that their momenta give
-    /// them, by the numbers of their obstacles.
-    pub fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
-        let Contacts { bodies, free, .. } = &self.contacts;
-        free.list.iter().map(|free| {
-            let pose = bodies[free.number].0.motion().pose;
-            (free.number, free.body.motion(pose, free.momenta, 0.0))
-        })
-    }
-
     /// Kinetic energy (J) of the bodies that the cloth pushes, where they are: ½ v·p, with the velocity v on the way
     /// there and the momentum p on the way from there, and the same of the rotation. Bodies move before the cloth pushes
     /// them, which is symplectic Euler: half a push is on either side of where they are, and so a harmonic spring keeps

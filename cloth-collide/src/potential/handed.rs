@@ -20,7 +20,7 @@ impl Handed {
     /// `animation` has been what moves it until `since` (s).
     pub(super) fn after(animation: &AnimatedMesh, since: Real) -> Self {
         let mut from = vec![Vec3::zeros(); animation.vertex_count()];
-        animation.place(since, &mut from);
+        animation.interpolate(since, &mut from);
         Self {
             to: from.clone(),
             from,
@@ -53,6 +53,12 @@ impl Handed {
 }
 
 impl Surfaces {
+    /// How many bodies have shapes.
+    pub(super) fn animated_count(&self) -> usize {
+        let is_own = |s: &&Surface| matches!(s.motion, SurfaceMotion::Own(..));
+        self.list.iter().filter(is_own).count()
+    }
+
     /// The body of this number of those that have shapes.
     pub(super) fn animated(&self, number: usize) -> Option<&Surface> {
         let is_own = |s: &&Surface| matches!(s.motion, SurfaceMotion::Own(..));

@@ -12,8 +12,11 @@ use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
 use crate::separation::meet_unduly;
 use cloth_core::contact::ContactError;
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
+
+/// Fraction of the thickness that coordinates have to resolve: the length below which friction is a spring.
+const RESOLVED: Real = 0.01;
 
 /// What a vertex of a body's surface knows of its body.
 #[derive(Clone, Copy, Debug)]
@@ -350,7 +353,33 @@ impl Near {
         (of(a) * of(d)).sqrt()
     }
 
-    /// The same of a vertex of the cloth before a body of coefficient `friction`.
+    /// Whether vertices can go to `x` (m): rounding of their coordinates must be below what friction and the thickness
+    /// are told apart by. Those of bodies only have to be finite, since nobody looks for contact where they alone are.
+    pub(super) fn check_range(&self, x: &[Vec3]) -> Result<(), ContactError> {
+        let most = RESOLVED * self.law.range() / Real::EPSILON;
+        let is_within = |x: &Vec3, most: Real| x.iter().all(|c| c.abs() <= most);
+        let (own, others) = x.split_at(self.cloth);
+        let far = own.iter().position(|x| !is_within(x, most));
+        if let Some(vertex) = far.filter(|&vertex| is_finite(&own[vertex])) {
+            let coordinate = own[vertex].amax();
+            return Err(ContactError::TooFar {
+                vertex,
+                coordinate,
+                most,
+            });
+        }
+        let bad = others.iter().position(|x| !is_finite(x));
+        let bad = far.or(bad.map(|vertex| self.cloth + vertex));
+        bad.map_or(Ok(()), |vertex| Err(ContactError::NonFinite { vertex }))
+    }
+
+    /// Changes the coefficient of friction μ (dimensionless) that the surface of a body has.
+    pub(super) fn set_body_friction(&mut self, body: usize, friction: Real) {
+        let sides = self.surfaces.iter_mut().filter(|side| side.body == body);
+        sides.for_each(|side| side.friction = friction);
+    }
+
+    /// The same as [`friction`](Self::friction) of a vertex of the cloth before a body of coefficient `friction`.
     pub(super) fn friction_on(&self, vertex: usize, friction: Real) -> Real {
         let own = self.own.frictions.get(vertex);
         own.map_or(friction, |own| (own * friction).sqrt())

@@ -129,6 +129,7 @@ impl Contacts {
 impl ContactPotential for Contacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)? && !self.near.starts_moving(step.from, start);
+        self.near.check_range(start)?;
         self.truncated = 0;
         self.free.remember();
         self.free.dt = step.dt;

@@ -219,7 +219,7 @@ impl Surfaces {
                     let ends = [(self.time, own_from), (self.time + dt, own_to)];
                     ends.into_iter().for_each(|(time, out)| match handed {
                         Some(handed) => handed.place(time, out),
-                        None => animation.place(time, out),
+                        None => animation.interpolate(time, out),
                     });
                 }
             }

@@ -18,13 +18,28 @@ fn goes_straight_from_shape_to_shape_and_stays_at_the_ends() {
         (9.0, 4.0),
     ] {
         let mut out = vec![Vec3::zeros(); 2];
-        mesh.place(time, &mut out);
+        mesh.place(time, &mut out).unwrap();
         assert_eq!(out, at(expected), "at {time} s");
     }
     let one = AnimatedMesh::new(vec![at(3.0)], 1.0).unwrap();
     let mut out = vec![Vec3::zeros(); 2];
-    one.place(7.0, &mut out);
+    one.place(7.0, &mut out).unwrap();
     assert_eq!(out, at(3.0));
+    one.place(Real::INFINITY, &mut out).unwrap();
+    assert_eq!(out, at(3.0));
+}
+
+#[test]
+fn an_animated_surface_has_one_place_per_vertex_at_times_that_are_numbers() {
+    let one = AnimatedMesh::new(vec![vec![Vec3::zeros(); 2]], 1.0).unwrap();
+    let refused = |time, count| {
+        let mut out = vec![Vec3::x(); count];
+        let refused = one.place(time, &mut out).unwrap_err();
+        assert_eq!(out, vec![Vec3::x(); count]);
+        refused.to_string()
+    };
+    assert!(refused(Real::NAN, 2).contains("time of an animated surface (s) is NaN"));
+    assert!(refused(0.0, 3).contains("places of an animated surface is 3"));
 }
 
 #[test]

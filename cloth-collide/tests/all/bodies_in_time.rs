@@ -188,13 +188,6 @@ fn shapes_that_do_not_fit_are_refused() {
 }
 
 #[test]
-#[should_panic(expected = "the time of an animated surface is NaN s")]
-fn an_animated_surface_is_nowhere_at_no_time() {
-    let one = AnimatedMesh::new(vec![vec![Vec3::zeros()]], 1.0).unwrap();
-    one.place(Real::NAN, &mut [Vec3::zeros()]);
-}
-
-#[test]
 fn an_orientation_that_is_no_rotation_is_refused() {
     let mut motion = RigidMotion::default();
     let doubled = motion.pose.orientation.into_inner() * 2.0;

@@ -254,7 +254,8 @@ fn an_open_surface_that_changes_its_shape_lifts_cloth() {
     let w = vec![1e3; x.len()];
     let mut surface = below.positions().to_vec();
     fly(&mut contacts, &mut x, &mut v, &w, 84, |step, x| {
-        animation.place(Real::from(step) * DT, &mut surface);
+        let time = Real::from(step) * DT;
+        animation.place(time, &mut surface).unwrap();
         let found = probe.count(x, [&surface[..]]).unwrap();
         assert_eq!(found, 0, "after step {step}");
     })

@@ -2,6 +2,7 @@
 //! `cargo test --release -p cloth-collide --test all potential::`.
 
 mod animated;
+mod between_steps;
 mod bodies_in_time;
 mod body_surfaces;
 mod candidates;
@@ -34,4 +35,5 @@ mod solids;
 mod taken_back;
 #[path = "../../../cloth-bench/src/mesh_spec/tangled.rs"]
 mod tangled_garments;
+mod too_far;
 mod untangle;

@@ -8,16 +8,16 @@ use cloth_core::contact::{ContactPotential, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
-const THICKNESS: Real = 1e-2;
-const DT: Real = 0.01;
+pub(super) const THICKNESS: Real = 1e-2;
+pub(super) const DT: Real = 0.01;
 
 /// A triangle with edges of 1 m, `height` (m) above z = 0.
-fn triangle(height: Real) -> TriMesh {
+pub(super) fn triangle(height: Real) -> TriMesh {
     let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x, y, height));
     TriMesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap()
 }
 
-fn moving(at: Vec3, velocity: Vec3) -> RigidMotion {
+pub(super) fn moving(at: Vec3, velocity: Vec3) -> RigidMotion {
     RigidMotion {
         pose: Pose::at(at),
         velocity,
@@ -26,7 +26,11 @@ fn moving(at: Vec3, velocity: Vec3) -> RigidMotion {
 }
 
 /// Begins a step from `from` to `to` (m), and goes there; the energy (J) and its gradient (N) there.
-fn go(contacts: &mut PotentialContacts, from: &[Vec3], to: &[Vec3]) -> (Real, Vec<Vec3>) {
+pub(super) fn go(
+    contacts: &mut PotentialContacts,
+    from: &[Vec3],
+    to: &[Vec3],
+) -> (Real, Vec<Vec3>) {
     let inverse_mass = vec![1.0; from.len()];
     let step = ContactStep {
         from,
@@ -40,11 +44,11 @@ fn go(contacts: &mut PotentialContacts, from: &[Vec3], to: &[Vec3]) -> (Real, Ve
     (energy, gradient)
 }
 
-fn end(contacts: &mut PotentialContacts, x: &[Vec3]) {
+pub(super) fn end(contacts: &mut PotentialContacts, x: &[Vec3]) {
     ContactPotential::end(contacts, x, &vec![Vec3::zeros(); x.len()]);
 }
 
-fn shifted(x: &[Vec3], by: Vec3) -> Vec<Vec3> {
+pub(super) fn shifted(x: &[Vec3], by: Vec3) -> Vec<Vec3> {
     x.iter().map(|x| x + by).collect()
 }
 

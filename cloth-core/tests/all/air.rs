@@ -148,6 +148,29 @@ fn no_wind_takes_a_triangle_beyond_the_speed_of_the_air() {
     }
 }
 
+/// Twice the wind is four times the force, from the next step on.
+#[test]
+fn air_that_is_changed_acts_as_if_built_so() {
+    let mesh = grid(3, 3, 2.0, 1.0, Diagonals::OneWay).unwrap();
+    let state = State::at_rest(mesh.positions().to_vec());
+    let mut air = Air::new(config(Vec3::z() * 2.0), 0.2, &mesh).unwrap();
+    let force = |air: &mut Air| air.load(&state, 1e-6).iter().sum::<Vec3>().z;
+    let before = force(&mut air);
+    let stronger = config(Vec3::z() * 4.0);
+    air.set_config(stronger).unwrap();
+    assert_eq!(*air.config(), stronger);
+    assert!((force(&mut air) / before - 4.0).abs() < 1e-12);
+    let bad = AirConfig {
+        density: -1.0,
+        ..stronger
+    };
+    assert_eq!(
+        air.set_config(bad).unwrap_err().name,
+        "the density of the air"
+    );
+    assert_eq!(*air.config(), stronger);
+}
+
 #[test]
 fn what_makes_no_sense_is_refused_by_name() {
     let mesh = grid(2, 2, 1.0, 1.0, Diagonals::OneWay).unwrap();

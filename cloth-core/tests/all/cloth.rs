@@ -221,8 +221,40 @@ fn a_pin_is_steered_to_where_its_path_will_be() {
     assert!(pins.add_path(&mut particles, 2, |_| Vec3::zeros()).is_err());
     let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::new(0.25, 0.0, 3.0)]);
     state.time = 0.5;
-    pins.set_velocities(&mut state, 0.5);
+    pins.set_velocities(&mut state, 0.5).unwrap();
     assert_eq!(state.velocities, [Vec3::zeros(), Vec3::new(1.5, 0.0, 0.0)]);
+}
+
+#[test]
+fn pins_that_cannot_reach_their_paths_are_named() {
+    let mut particles = Particles::new(vec![1.0; 2]).unwrap();
+    let mut pins = Pins::new();
+    let path = |t: Real| Vec3::x() * if t < 1.0 { t } else { Real::NAN };
+    pins.add_path(&mut particles, 1, path).unwrap();
+    let start = State::at_rest(vec![Vec3::zeros(); 2]);
+    for dt in [0.0, -0.5, Real::NAN, Real::INFINITY] {
+        let mut state = start.clone();
+        let refused = pins.set_velocities(&mut state, dt).unwrap_err();
+        assert!(matches!(refused, ParticleError::InvalidTimeStep { .. }));
+        assert_eq!(state, start);
+    }
+    let mut short = State::at_rest(vec![Vec3::zeros()]);
+    let (vertex, vertex_count) = (1, 1);
+    let expected = ParticleError::NoSuchVertex {
+        vertex,
+        vertex_count,
+    };
+    assert_eq!(pins.set_velocities(&mut short, 0.5), Err(expected));
+    let mut state = start.clone();
+    let refused = pins.set_velocities(&mut state, 2.0).unwrap_err();
+    assert_eq!(
+        refused,
+        ParticleError::InvalidPath {
+            vertex: 1,
+            time: 2.0
+        }
+    );
+    assert_eq!(state, start);
 }
 
 #[test]

@@ -267,7 +267,7 @@ fn pins_hold_to_the_last_bit_and_moving_ones_follow_their_path() {
     state.positions[8] = path(0.0);
     let held = state.positions[0];
     for _ in 0..50 {
-        pins.set_velocities(&mut state, 0.01);
+        pins.set_velocities(&mut state, 0.01).unwrap();
         let velocity = state.velocities[8];
         solver
             .step(&mut state, StepInput::new(0.01).gravity(GRAVITY))

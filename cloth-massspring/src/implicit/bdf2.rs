@@ -71,8 +71,8 @@ const JUMP: Real = 0.1;
 /// Linear momentum is kept as in [`ImplicitEuler`](crate::ImplicitEuler), angular momentum is not.
 ///
 /// It needs the state before the last one. The solver keeps it, together with a copy of the state that it produced;
-/// when a step starts from another state, or with another Δt, it *starts again* with one step of implicit Euler. One
-/// step of first order does not lower the order of the run: its error is of the order of Δt² and is made once, not in
+/// when a step starts from another state, or with another Δt, it *starts again* with one step of implicit Euler, which
+/// [`StepReport::restarts`] tells. One step of first order does not lower the order of the run: its error is of the order of Δt² and is made once, not in
 /// each of T/Δt steps. (Where every other step starts again, the run is of first order.) So the state may be changed
 /// between two steps, but whoever changes it before every step gets implicit Euler. Velocities of prescribed vertices
 /// may change: moving a pin is no restart. A jump of velocities is a restart, measured over the whole cloth: where
@@ -211,6 +211,14 @@ fn with_attempt(report: StepReport, tried: StepReport) -> StepReport {
     }
 }
 
+/// The report of a step by implicit Euler.
+fn restarted(report: StepReport) -> StepReport {
+    StepReport {
+        restarts: 1,
+        ..report
+    }
+}
+
 /// Load and air (N) at the end of a step.
 fn force(input: &StepInput<'_>, vertex: usize) -> Vec3 {
     let load = input.load.map_or(Vec3::zeros(), |load| load[vertex]);
@@ -252,7 +260,7 @@ impl Stepper for Bdf2 {
             if has_jumped && self.implicit.is_touching(&mut input) {
                 self.dt = None;
                 let report = self.implicit.advance_euler(state, &mut input)?;
-                with_attempt(report, tried)
+                restarted(with_attempt(report, tried))
             } else {
                 let mut report = self.implicit.finish(state, &mut input, interval, tried)?;
                 // By the force at the end it would be of first order only.
@@ -263,7 +271,7 @@ impl Stepper for Bdf2 {
         } else {
             self.dt = None;
             self.remember(state);
-            self.implicit.advance_euler(state, &mut input)?
+            restarted(self.implicit.advance_euler(state, &mut input)?)
         };
         self.has_jumped = has_jumped;
         self.force.clear();

@@ -32,7 +32,7 @@ fn moving_pins_follow_their_path_and_keep_their_velocity() {
     for solver in &mut all(&particles, &springs) {
         let mut state = State::at_rest(positions.clone());
         for _ in 0..50 {
-            pins.set_velocities(&mut state, 1e-3);
+            pins.set_velocities(&mut state, 1e-3).unwrap();
             let velocity = state.velocities[0];
             solver
                 .step(&mut state, StepInput::new(1e-3).gravity(DOWN))

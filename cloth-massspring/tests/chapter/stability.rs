@@ -82,6 +82,9 @@ fn a_step_beyond_the_stable_one_is_refused_with_both_numbers() {
     let (mut solver, mut state, stable) = symplectic_hang(9);
     let before = state.clone();
     let error = solver.step(&mut state, StepInput::new(1.01 * stable).gravity(DOWN));
+    let frame = solver.step(&mut state, StepInput::new(6.5 * stable).gravity(DOWN));
+    let said = frame.unwrap_err().to_string();
+    assert!(said.contains("at least 7 times as many substeps"), "{said}");
     let Err(StepError::Unstable {
         dt,
         stable_dt,

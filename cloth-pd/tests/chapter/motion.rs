@@ -85,7 +85,7 @@ fn moving_pins_are_followed_and_keep_their_velocity() {
     pins.add_path(&mut model.particles, 72, path).unwrap();
     let mut solver = solver(&model, iterations(5));
     for _ in 0..30 {
-        pins.set_velocities(&mut state, DT);
+        pins.set_velocities(&mut state, DT).unwrap();
         let velocity = state.velocities[72];
         let goal = state.positions[72] + velocity * DT;
         solver.step(&mut state, falling()).unwrap();

@@ -39,6 +39,11 @@ impl ForcesTable {
         }
     }
 
+    /// Whether no step has been added.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.lines().nth(1).is_none()
+    }
+
     pub(super) fn text(&self) -> &str {
         &self.0
     }

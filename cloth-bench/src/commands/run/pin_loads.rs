@@ -35,6 +35,11 @@ impl PinLoadsTable {
         let _ = writeln!(self.0, "{step},{time:?},{vertex},{x:?},{y:?},{z:?}");
     }
 
+    /// Whether no step has been added.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.lines().nth(1).is_none()
+    }
+
     pub(super) fn text(&self) -> &str {
         &self.0
     }

@@ -75,7 +75,10 @@ impl ContactSetup {
         });
         let animated = self.animated.iter().map(move |(shape, animation, _)| {
             let mut positions = shape.positions().to_vec();
-            animation.place(time, &mut positions);
+            // As rigid bodies, it is nowhere at a time that is no number.
+            if animation.place(time, &mut positions).is_err() {
+                positions.fill(Vec3::repeat(Real::NAN));
+            }
             (positions, shape.triangles())
         });
         rigid.chain(animated)

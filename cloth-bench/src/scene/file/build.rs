@@ -308,12 +308,13 @@ impl<'a> Sections<'a> {
         model.fasten(links);
         let inside = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
         let (gases, volumes) = gas::left(&inside, &vec![true; mesh.triangles().len()]);
-        let mut changes = tear::tears(&self.events, &material, &mesh, &inside)?;
+        let name = |v: usize| order.as_ref().map_or(v, |o| o.old_of_new()[v] as usize);
+        let pieces = (&mesh, &counts[..]);
+        let mut changes = tear::tears(&self.events, &material, pieces, &inside, name)?;
         let mut ways = Pins::new();
         let holds = self.pins.iter().zip(held);
         let holds = holds.map(|(section, vertices)| pins::hold(section, vertices));
         let holds: Vec<pins::Hold> = holds.collect::<Result<_, _>>()?;
-        let name = |v: usize| order.as_ref().map_or(v, |o| o.old_of_new()[v] as usize);
         pins::refuse_overlap(&self.pins, &holds, name)?;
         let positions = start::positions(&self.start, folder, &mesh, order.as_ref())?;
         let timed = holds.iter().filter(|hold| hold.is_timed());

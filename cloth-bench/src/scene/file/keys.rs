@@ -79,7 +79,8 @@ crate::settings! {
     }
     /// Vertices by name, number or place.
     pub(super) struct Selection {
-        mesh: Option<u32> = "none", "number of the [[mesh]] table, from 0, whose vertices alone are chosen; none: all";
+        mesh: Option<u32> = "none",
+            "number of the [[mesh]] table, from 0, whose vertices (of a tear, triangles) alone are chosen; none: all";
         select: Option<String> = "none",
             "\"corners\" (the two at one end of a sheet), \"highest\" or \"border\" (all on an edge of one triangle); \
              give this, vertices or a box";

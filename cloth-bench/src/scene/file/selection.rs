@@ -34,7 +34,7 @@ impl Pieces<'_> {
     /// The vertices of a table, in the caller's numbers.
     pub(super) fn chosen(&self, section: &Section<'_>) -> Result<Vec<usize>, BenchError> {
         let own = section.read::<Selection>()?;
-        let range = self.range(&own)?;
+        let range = range(&own, self.counts)?;
         let positions = &self.mesh.positions()[range.clone()];
         let found = match (own.select.as_deref(), own.vertices.as_deref(), *own.corners) {
             (Some("border"), None, None) => return self.border(&own, range),
@@ -79,20 +79,6 @@ impl Pieces<'_> {
         Ok(found.into_iter().map(|v| range.start + v).collect())
     }
 
-    /// The numbers of the vertices to choose from.
-    fn range(&self, own: &Selection) -> Result<Range<usize>, BenchError> {
-        let Some(number) = *own.mesh else {
-            return Ok(0..self.mesh.vertex_count());
-        };
-        let piece = number as usize;
-        if piece >= self.counts.len() {
-            let message = names::beyond("mesh", number, self.counts.len());
-            return Err(own.mesh.refuse(message));
-        }
-        let start = self.counts[..piece].iter().sum();
-        Ok(start..start + self.counts[piece])
-    }
-
     /// All of these vertices that are on edges of one triangle alone.
     fn border(&self, own: &Selection, range: Range<usize>) -> Result<Vec<usize>, BenchError> {
         let edges = EdgeTable::build(self.mesh).map_err(|error| own.select.refuse(error))?;
@@ -107,4 +93,18 @@ impl Pieces<'_> {
         }
         Ok(vertices)
     }
+}
+
+/// The numbers of the vertices to choose from, of pieces of so many.
+pub(super) fn range(own: &Selection, counts: &[usize]) -> Result<Range<usize>, BenchError> {
+    let Some(number) = *own.mesh else {
+        return Ok(0..counts.iter().sum());
+    };
+    let piece = number as usize;
+    if piece >= counts.len() {
+        let message = names::beyond("mesh", number, counts.len());
+        return Err(own.mesh.refuse(message));
+    }
+    let start = counts[..piece].iter().sum();
+    Ok(start..start + counts[piece])
 }

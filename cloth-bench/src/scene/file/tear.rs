@@ -5,6 +5,7 @@ use super::event::refuse_motion;
 use super::gas::{self, Inside};
 use super::keys::{Deed, Event, Selection};
 use super::material::Material;
+use super::selection;
 use crate::error::BenchError;
 use crate::scene::{Change, ChangeKind};
 use crate::settings::Setting;
@@ -60,12 +61,14 @@ impl Place {
     }
 }
 
-/// The tears of a mesh, in the order of their times.
+/// The tears of a mesh, in the order of their times. It is joined of pieces of so many vertices (`counts`); `name` has
+/// the number that a vertex had in it then.
 pub(super) fn tears(
     sections: &[Section<'_>],
     material: &Material,
-    mesh: &TriMesh,
+    (mesh, counts): (&TriMesh, &[usize]),
     inside: &[Inside],
+    name: impl Fn(usize) -> usize,
 ) -> Result<Vec<Change>, BenchError> {
     let mut timed = Vec::new();
     for section in sections {
@@ -74,7 +77,6 @@ pub(super) fn tears(
             continue;
         }
         refuse_motion(section, "for a tear")?;
-        chosen.mesh.refuse_given("for a tear")?;
         chosen.select.refuse_given("for a tear")?;
         chosen.vertices.refuse_given("for a tear")?;
         let (place, key) = match (*chosen.corners, *own.line) {
@@ -82,15 +84,17 @@ pub(super) fn tears(
             (None, Some(ends)) => (Place::Line(ends), own.line.bare()),
             _ => return Err(section.refuse_table("a tear needs a box or a line")),
         };
-        timed.push((own.time(section)?, place, key));
+        let piece = selection::range(&chosen, counts)?;
+        timed.push((own.time(section)?, place, key, piece));
     }
     timed.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut is_left = vec![true; mesh.triangles().len()];
     let mut changes = Vec::new();
-    for (time, place, key) in timed {
+    for (time, place, key, piece) in timed {
         let mut count = 0;
         for (left, corners) in is_left.iter_mut().zip(mesh.triangles()) {
-            if *left && place.has(gather(mesh.positions(), *corners)) {
+            let is_chosen = *left && piece.contains(&name(corners[0] as usize));
+            if is_chosen && place.has(gather(mesh.positions(), *corners)) {
                 if material.is_solid(corners[0]) {
                     return Err(key.refuse("a solid is there, which cannot be torn"));
                 }
