@@ -339,10 +339,12 @@
 //! takes up the impulses of contact at the end: momentum is kept, except where the last resort moves the cloth without
 //! an impulse on the body. Prescribed vertices and other bodies do not give way, so they stop it before the step,
 //! inelastically and with friction (`stops`): at h/2 from prescribed cloth, with the coefficient of cloth on the body,
-//! and at h from bodies, with the geometric mean of both coefficients. Where cloth between it and something else
-//! has no safe path even so, the body halts for the step, and loses its momentum. Steps have to resolve the frequency
-//! of the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency). Between
-//! steps [`PotentialContacts::hold_body`] stops such a body or releases it, from rest, and
+//! and at h from bodies, with the geometric mean of both coefficients. So cloth between two bodies carries the upper one
+//! up to a pressure of κ h/2, and what is heavier stands on the lower body: for a weight of pressure p, κ should be 3
+//! p/h or more. Where cloth between it and something else has no safe path even so, the body halts for the step, and
+//! loses its momentum. Steps have to resolve the frequency of the body on the contact,
+//! [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency). Between steps
+//! [`PotentialContacts::hold_body`] stops such a body or releases it, from rest, and
 //! [`PotentialContacts::set_velocities`] changes the motion of an obstacle that the cloth does not push.
 //!
 //! # Limits

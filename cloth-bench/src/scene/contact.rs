@@ -27,8 +27,10 @@ crate::settings! {
             "how contact acts: potential (an energy that implicit methods and pd minimise along, and constraints in \
              every substep of explicit methods, xpbd and pbd) or none";
         collides as "self": bool = "no", "whether the cloth can touch itself: yes or no";
-        contact_stiffness: Real = 1e6 "Pa/m" in Above(0.0),
-            "stiffness of contact=potential: pressure per m that is missing to the thickness";
+        contact_stiffness: Or<Auto, Real> = "auto" "Pa/m" in Above(0.0),
+            "stiffness of contact=potential: pressure per m that is missing to the thickness; auto: 1e6, or where a \
+             body that the cloth pushes is heavier, so much that cloth carries it at two thirds of the thickness h: \
+             3 p/h, with the pressure p of its weight on the smallest side of the box around it";
         restitution: Option<Real> = "none" in Within(0.0, 1.0),
             "coefficient of restitution: what hits something leaves it with this part of its speed; with explicit \
              methods, pbd and xpbd, and 0 with all, since what minimises does not rebound anyway; none: with what \
@@ -49,6 +51,19 @@ crate::settings! {
 const THINNEST: Real = 1e-6;
 /// The thickness of cloth (m) unless edges are short.
 const USUAL_THICKNESS: Real = 2e-3;
+
+/// The stiffness of contact (Pa/m) unless bodies are heavy.
+const USUAL_STIFFNESS: Real = 1e6;
+
+/// The pressure (Pa) of the weight of a body on the smallest side of the box around its surface.
+fn pressure(body: &RigidBody, surface: &TriMesh) -> Real {
+    let first = surface.positions().first().copied().unwrap_or_default();
+    let wider = |(low, high): (Vec3, Vec3), x: &Vec3| (low.inf(x), high.sup(x));
+    let (low, high) = surface.positions().iter().fold((first, first), wider);
+    let size = high - low;
+    let side = [size.x * size.y, size.y * size.z, size.z * size.x];
+    body.mass() * body.gravity().norm() / side.into_iter().fold(Real::INFINITY, Real::min)
+}
 
 /// The mean length (m) of the edges of the triangles.
 fn mean_edge(mesh: &TriMesh) -> Real {
@@ -218,8 +233,7 @@ impl ContactSetup {
         bodies: Vec<Body>,
     ) -> Result<Self, BenchError> {
         let (surface, own) = (Surface::read(settings)?, Contact::read(settings)?);
-        let (stiffness, friction, restitution) =
-            (*own.contact_stiffness, *surface.friction, *own.restitution);
+        let (friction, restitution) = (*surface.friction, *own.restitution);
         let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         let (mut obstacles, mut frictions, mut notes) = (Vec::new(), Vec::new(), Vec::new());
@@ -256,6 +270,19 @@ impl ContactSetup {
                 }
             }
         }
+        let thickness = surface.thickness_of(mesh);
+        let needed = |(number, body): &(usize, RigidBody)| {
+            let (surface, _): &(TriMesh, bool) = &shapes[*number];
+            3.0 * pressure(body, surface) / thickness
+        };
+        let stiffness = match *own.contact_stiffness {
+            Or::Value(stiffness) => stiffness,
+            Or::Word(Auto::Auto) => free_bodies
+                .iter()
+                .map(needed)
+                .filter(|needed| needed.is_finite())
+                .fold(USUAL_STIFFNESS, Real::max),
+        };
         let frequency = |(number, body): &(usize, RigidBody)| {
             let (surface, _): &(TriMesh, bool) = &shapes[*number];
             body.highest_frequency(stiffness, surface)
@@ -277,6 +304,12 @@ impl ContactSetup {
             notes.extend(surface.note(mesh));
         }
         surface.check(mesh)?;
+        if is_on && stiffness > USUAL_STIFFNESS && *own.contact_stiffness == Or::Word(Auto::Auto) {
+            notes.push(format!(
+                "contact_stiffness is {stiffness:.2e} Pa/m, not {USUAL_STIFFNESS:e}, so that cloth carries the heaviest \
+                 body before its thickness is used up"
+            ));
+        }
         // contact=none switches contact off, whatever else is said of it.
         if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
             let what = "anything to touch (self=yes)";
@@ -289,7 +322,7 @@ impl ContactSetup {
         Ok(Self {
             is_on,
             self_collision,
-            thickness: surface.thickness_of(mesh),
+            thickness,
             stiffness,
             friction,
             restitution,

@@ -460,3 +460,74 @@ fn balls_that_meet_without_friction_keep_their_momentum_and_do_not_turn() {
         }
     }
 }
+
+/// A table under a cloth of 0.18 N, and a box of 5 kg on it or beside it.
+fn box_on_a_table(place: &str) -> Scene {
+    let text = format!(
+        "[[mesh]]\ngenerator = \"grid:13x13:alternating\"\nscale = 0.3\ntranslate = [-0.15, -0.15, 0.0025]\n\
+         [[pins]]\nbox = [[0.149, -1, -1], [0.151, 1, 1]]\nmove = [0.1, 0, 0]\n\
+         [[obstacle]]\nshape = \"box\"\nsize = [0.1, 0.1, 0.1]\nposition = {place}\nmass = 5\n\
+         [[obstacle]]\nshape = \"box\"\nsize = [2, 2, 0.1]\nposition = [0, 0, -0.05]\n"
+    );
+    scene(&format!("on-a-table-{}", text.len()), &text)
+}
+
+/// A box that presses harder than contact of the usual stiffness can carry lies on the cloth all the same, not on the
+/// table below: cloth that is drawn away at 0.1 m/s takes it along, which friction could do thirty times as fast.
+#[test]
+fn heavy_box_lies_on_cloth_that_lies_on_a_table() {
+    let scene = box_on_a_table("[0, 0, 0.0545]");
+    for method in ["implicit-euler", "pd", "linear-implicit"] {
+        let (mut box_, mut table, mut count) = (0.0, 0.0, 0.0);
+        let mut last = Vec3::zeros();
+        watch(&scene, method, &[], 45, |moment| {
+            last = body(moment).pose.position;
+            if moment.step > 15 {
+                let bodies = &moment.forces.unwrap().bodies;
+                (box_, table, count) = (
+                    box_ + bodies[0].force.z,
+                    table + bodies[1].force.z,
+                    count + 1.0,
+                );
+            }
+        });
+        let (box_, table, moved) = (box_ / count, table / count, last.x);
+        println!("{method}: {box_} and {table} N, {moved} m");
+        assert!((box_ / 49.05 - 1.0).abs() < 0.02, "{method}: {box_} N");
+        assert!((moved / 0.075 - 1.0).abs() < 0.05, "{method}: {moved} m");
+        // Two thirds of the thickness on either side.
+        let under = last.z - 0.05;
+        assert!((0.0022..0.0032).contains(&under), "{method}: {under} m");
+    }
+}
+
+/// What stops a body feels it: a table on which a box stands beside the cloth.
+#[test]
+fn table_feels_the_box_that_stands_on_it() {
+    let scene = box_on_a_table("[0.5, 0, 0.053]");
+    for method in ["implicit-euler", "xpbd"] {
+        let mut forces = [Vec3::zeros(); 2];
+        let mut torque = 0.0;
+        watch(
+            &scene,
+            method,
+            &["substeps=40"][..usize::from(method == "xpbd")],
+            20,
+            |moment| {
+                let bodies = &moment.forces.unwrap().bodies;
+                forces = [bodies[0].force, bodies[1].force];
+                torque = bodies[1].torque.y;
+            },
+        );
+        let [box_, table] = forces.map(|force| force.z);
+        assert!((box_ / 49.05 - 1.0).abs() < 1e-6, "{method}: {box_} N");
+        // The rest is the cloth: that of its free vertices at most.
+        let cloth = -table - box_;
+        assert!((0.0..0.2).contains(&cloth), "{method}: {table} N");
+        // About the middle of the table.
+        assert!(
+            (torque / (0.5 * box_) - 1.0).abs() < 1e-2,
+            "{method}: {torque} N m"
+        );
+    }
+}

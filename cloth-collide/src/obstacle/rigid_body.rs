@@ -154,6 +154,12 @@ impl RigidBody {
         self.mass
     }
 
+    /// The gravity (m/s²) that pulls it.
+    #[must_use]
+    pub fn gravity(&self) -> Vec3 {
+        self.gravity
+    }
+
     /// J (kg·m²), in the frame of the body.
     #[must_use]
     pub fn inertia(&self) -> &Matrix3<Real> {

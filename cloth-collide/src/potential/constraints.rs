@@ -342,7 +342,7 @@ impl Contacts {
             return;
         };
         ledger.pass(step.dt);
-        ledger.add_stops(&self.free, 1.0);
+        ledger.add_stops(&self.free, &self.stops, 1.0);
         let constraints = &self.constraints;
         for contact in constraints.touching() {
             let impulses = [

@@ -5,6 +5,7 @@ use super::free::FreeBodies;
 use super::friction::Key;
 use super::near::Near;
 use super::source::Contacts;
+use super::stops::Stops;
 use crate::pair::ends;
 use cloth_core::math::{Real, Vec3};
 
@@ -23,10 +24,11 @@ pub struct ContactForces {
     pub bodies: Vec<BodyForce>,
 }
 
-/// What the cloth does to a body.
+/// What the cloth does to a body, and bodies to each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyForce {
-    /// Force (N): pressure, friction, and what stops a free body, but not what holds one until it is released.
+    /// Force (N): pressure, friction, and what stops a free body, on it and on what stops it, but not what holds one
+    /// until it is released.
     pub force: Vec3,
     /// The friction (N) in it.
     pub friction: Vec3,
@@ -100,12 +102,15 @@ impl Ledger {
         self.impulses.bodies[number].add([-normal, -friction], arm);
     }
 
-    /// Impulses (N·s, N·m·s) of what stops free bodies.
-    pub(super) fn add_stops(&mut self, free: &FreeBodies, per: Real) {
-        for free in free.list.iter().filter(|free| !free.is_held) {
-            let body = &mut self.impulses.bodies[free.number];
-            body.force += free.stop[0] * per;
-            body.torque += free.stop[1] * per;
+    /// Impulses (N·s, N·m·s) of what stops free bodies, and those on the bodies that do.
+    pub(super) fn add_stops(&mut self, free: &FreeBodies, stops: &Stops, per: Real) {
+        let free = free.list.iter().filter(|free| !free.is_held);
+        let stopped = free.map(|free| (free.number, free.stop));
+        let reactions = stops.reactions.iter().copied().enumerate();
+        for (number, [impulse, angular]) in stopped.chain(reactions) {
+            let body = &mut self.impulses.bodies[number];
+            body.force += impulse * per;
+            body.torque += angular * per;
         }
     }
 
@@ -155,7 +160,7 @@ impl ContactForces {
 }
 
 impl BodyForce {
-    /// What is not friction (N): along the normals of contact, and what stops a free body.
+    /// What is not friction with the cloth (N): along the normals of contact, and what stops a free body.
     #[must_use]
     pub fn normal(&self) -> Vec3 {
         self.force - self.friction
@@ -197,7 +202,7 @@ impl Contacts {
                 Key::Pair(pair) => ledger.add_pair(pair.vertices, contact.weights, forces),
             }
         }
-        ledger.add_stops(&self.free, 1.0 / self.free.dt);
+        ledger.add_stops(&self.free, &self.stops, 1.0 / self.free.dt);
         ledger.end(&self.near, &self.bodies, x);
         self.ledger = Some(ledger);
     }

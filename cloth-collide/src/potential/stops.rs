@@ -25,7 +25,8 @@ use crate::obstacle::{Distance, Obstacle};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
-/// Distance to keep (in thicknesses) from prescribed vertices, which are cloth, and from bodies, with cloth between.
+/// Distance to keep (in thicknesses) from prescribed vertices, which are cloth, and from bodies: cloth between the two
+/// carries the weight up to the pressure κ h/2, which leaves half of a thickness on either side of it.
 const FROM_PRESCRIBED: Real = 0.5;
 const FROM_BODIES: Real = 1.0;
 /// Fraction of it that may be missing; and what may be missing again where more is, so that nothing wears off step by
@@ -56,15 +57,19 @@ pub(super) struct Stops {
     /// times) that are in none of those.
     prescribed: Vec<[u32; 3]>,
     meetings: Vec<Meeting>,
+    /// Impulses (N·s, N·m·s about their positions) on bodies that have stopped free ones in the (sub)step, and are not
+    /// free themselves.
+    pub(super) reactions: Vec<[Vec3; 2]>,
 }
 
 /// A point at which a body is stopped.
 #[derive(Clone, Copy, Debug)]
 struct Meeting {
-    /// The numbers of the body in the list of free ones, and of the other one, if that is free too; and the arms (m)
-    /// from their centres to the point.
+    /// The numbers of the body in the list of free ones, and of the other one, if that is free too, or else among all
+    /// bodies, if it is one; and the arms (m) from their centres to the point.
     body: usize,
     other: Option<usize>,
+    against: Option<usize>,
     arms: [Vec3; 2],
     /// The direction in which the body is pushed, the speed (m/s) that is missing along it, and the velocity (m/s) with
     /// which the body slips across it.
@@ -83,6 +88,7 @@ struct Meeting {
 struct Place {
     body: usize,
     other: Option<usize>,
+    against: Option<usize>,
     arms: [Vec3; 2],
     normal: Vec3,
     /// Velocity (m/s) of the body there relative to what it meets.
@@ -103,6 +109,7 @@ impl Place {
         (now < allowed).then(|| Meeting {
             body: self.body,
             other: self.other,
+            against: self.against,
             arms: self.arms,
             normal: self.normal,
             missing: (start.min(keep) - now) / time,
@@ -192,6 +199,19 @@ impl Stops {
     }
 }
 
+impl Stops {
+    /// Enters the impulses of the meetings on the bodies that are met.
+    fn react(&mut self) {
+        for meeting in &self.meetings {
+            if let Some(number) = meeting.against {
+                let impulse = -(meeting.normal * meeting.impulse + meeting.friction);
+                self.reactions[number][0] += impulse;
+                self.reactions[number][1] += meeting.arms[1].cross(&impulse);
+            }
+        }
+    }
+}
+
 impl Contacts {
     /// Free bodies begin a (sub)step in which the cloth would go to `to` (m), as far as what does not give way
     /// lets them.
@@ -203,6 +223,10 @@ impl Contacts {
         if self.free.list.is_empty() {
             return;
         }
+        self.stops.reactions.clear();
+        self.stops
+            .reactions
+            .resize(self.bodies.len(), [Vec3::zeros(); 2]);
         let cloth = self.near.cloth;
         self.stops
             .update_prescribed(&self.near, &step.inverse_mass[..cloth]);
@@ -216,6 +240,7 @@ impl Contacts {
                 return;
             }
             self.free.stop_at(&mut self.stops.meetings);
+            self.stops.react();
         }
         // Nothing else is sure.
         for meeting in &self.stops.meetings {
@@ -272,6 +297,7 @@ impl Contacts {
             let place = Place {
                 body: number,
                 other: None,
+                against: None,
                 arms: [point - centre, Vec3::zeros()],
                 normal: -distance.normal,
                 velocity: obstacle.motion().velocity_at(point, time) - moves,
@@ -317,6 +343,7 @@ impl Contacts {
                 let place = Place {
                     body: number,
                     other,
+                    against: other.is_none().then_some(index),
                     arms: centres.map(|centre| point - centre),
                     normal: distance.normal,
                     velocity: own.velocity_at(point, time) - motion.velocity_at(point, time),
