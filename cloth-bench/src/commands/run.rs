@@ -213,6 +213,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             scene.name
         )));
     }
+    if arguments.pin_loads.is_some() && !method.tells_pin_forces() {
+        return Err(BenchError::Usage(format!(
+            "method `{}` does not tell the forces at held vertices, for which --pin-loads is",
+            method.name
+        )));
+    }
     let files = [&arguments.forces, &arguments.pin_loads, &arguments.picture];
     check_files(files.into_iter().flatten())?;
     if arguments.reference && !scene.is_plain() {
