@@ -10,8 +10,9 @@ use cloth_core::particles::State;
 use cloth_core::step::StepError;
 use cloth_core::topology::{EdgeTable, components};
 
-/// A step (s), and a size of cloth (m), beyond which a unit may be another one than meant.
+/// A step (s), and a size of cloth (m) that is from a file or not, beyond which a unit may be another one than meant.
 const LONGEST_STEP: Real = 0.5;
+const LARGEST_FROM_FILE: Real = 20.0;
 const LARGEST_CLOTH: Real = 200.0;
 /// A vertex no deeper than so many thicknesses is on the surface and not below it, but for rounding.
 const ON_SURFACE: Real = 1e-9;
@@ -125,8 +126,16 @@ impl Scene {
             let [low, high] = bounds(mesh.positions().iter().copied());
             (high - low).norm()
         });
-        let size = sizes.filter(|size| *size > LARGEST_CLOTH).map(|size| {
-            format!("the cloth is {size:.0} m across: lengths are in metres (scale = 0.001 makes them of millimetres)")
+        // Meshes of files alone have an order of their own.
+        let (largest, whose) = match self.order {
+            Some(_) => (LARGEST_FROM_FILE, " of the file"),
+            None => (LARGEST_CLOTH, ""),
+        };
+        let size = sizes.filter(|size| *size > largest).map(|size| {
+            format!(
+                "the cloth{whose} is {size:.0} m across: lengths are in metres (scale = 0.01 makes them of \
+                 centimetres, scale = 0.001 of millimetres)"
+            )
         });
         step.into_iter().chain(size)
     }
