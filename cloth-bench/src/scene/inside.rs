@@ -83,9 +83,9 @@ impl Scene {
             );
             return Err(BenchError::Usage(if depth <= ON_SURFACE * thickness {
                 format!(
-                    "the cloth starts on the surface of obstacle {number} ({kind}), with {count} of its vertices, among \
-                     them vertex {named}, at {at}; start it outside, the thickness of {thickness} m away (translate of \
-                     its [[mesh]]), or hold what is to stay there{advice}"
+                    "the cloth starts on the surface of obstacle {number} ({kind}), with {count} of its vertices, \
+                     among them vertex {named}, at {at}; start it outside, the thickness of {thickness} m away \
+                     (translate of its [[mesh]]), or hold what is to stay there{advice}"
                 )
             } else {
                 format!(
