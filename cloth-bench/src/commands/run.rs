@@ -101,8 +101,9 @@ pub struct Arguments {
     #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
     export_every: u32,
     /// CSV file for the force, its part along the normals and its friction, and the torque on every body in every step,
-    /// bodies numbered in the order of the scene file; exports in vtk, ply and html get the forces of contact on every
-    /// vertex
+    /// bodies numbered in the order of the scene file: of the cloth on it, and on a body that the cloth pushes also of
+    /// the other bodies and the held cloth that stop it, each with its reaction on the other body; exports in vtk, ply
+    /// and html get the forces of contact on every vertex
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,
     /// CSV file for the force with which the cloth pulls at every held vertex in every step, and for their sum: its
@@ -211,6 +212,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             "--pin-loads is for held vertices, and scene `{}` has none (a pin with a stiffness is a spring, which holds \
              none)",
             scene.name
+        )));
+    }
+    if arguments.pin_loads.is_some() && !method.tells_pin_forces() {
+        return Err(BenchError::Usage(format!(
+            "method `{}` does not tell the forces at held vertices, for which --pin-loads is",
+            method.name
         )));
     }
     let files = [&arguments.forces, &arguments.pin_loads, &arguments.picture];

@@ -78,6 +78,11 @@ impl Method {
         }
     }
 
+    /// Whether it may tell the forces at held vertices; a method of one's own says so with each step.
+    pub(crate) fn tells_pin_forces(&self) -> bool {
+        !matches!(self.kind, Kind::LinearImplicit)
+    }
+
     /// Whether no step is stable, however short: forward Euler, whose oscillators grow by √(1 + z²) a step.
     pub fn is_never_stable(&self) -> bool {
         matches!(self.kind, Kind::Explicit)

@@ -11,7 +11,8 @@ impl Summary {
         self.start_lift.map(|lift| {
             format!(
                 "the cloth starts nearer to itself or to a body than the thickness: contact holds {:.3e} J there, \
-                 which would throw it {lift:.3} m up; start it farther away, or with a smaller thickness",
+                 which a method without damping gives back as {lift:.3} m of height; start it farther away, or with \
+                 a smaller thickness",
                 self.contact_energy_at_start
             )
         })

@@ -10,9 +10,12 @@ use cloth_core::particles::State;
 use cloth_core::step::StepError;
 use cloth_core::topology::{EdgeTable, components};
 
-/// A step (s), and a size of cloth (m), beyond which a unit may be another one than meant.
+/// A step (s), and a size of cloth (m) that is from a file or not, beyond which a unit may be another one than meant.
 const LONGEST_STEP: Real = 0.5;
+const LARGEST_FROM_FILE: Real = 20.0;
 const LARGEST_CLOTH: Real = 200.0;
+/// A vertex no deeper than so many thicknesses is on the surface and not below it, but for rounding.
+const ON_SURFACE: Real = 1e-9;
 
 impl Scene {
     /// Refuses free vertices in or on a body that has an inside. Untangling pulls out what goes through triangles of a
@@ -38,15 +41,31 @@ impl Scene {
                 .map(|v| (v, depth(v)))
                 .filter(|(_, depth)| *depth >= 0.0)
                 .collect();
-            let can_untangle = touch.untangles() && body.has_triangles;
-            if can_untangle && !inside.is_empty() {
+            if inside.is_empty() {
+                continue;
+            }
+            // What untangling cannot serve: pieces that are inside with all of their vertices, or in a plane.
+            let mut stuck = inside.clone();
+            if body.has_triangles {
                 let edges = EdgeTable::build(mesh).map_err(BenchError::failed)?;
                 let piece = components(mesh.vertex_count(), &edges);
                 let mut is_whole = vec![true; mesh.vertex_count()];
                 for v in (0..mesh.vertex_count()).filter(|&v| depth(v) < 0.0) {
                     is_whole[piece[v] as usize] = false;
                 }
-                inside.retain(|(v, _)| is_whole[piece[*v] as usize]);
+                stuck.retain(|(v, _)| is_whole[piece[*v] as usize]);
+            }
+            let advice = match (stuck.is_empty(), touch.untangles()) {
+                (true, false) => {
+                    ", or have what goes through the surface pulled out (untangle=yes)"
+                }
+                (false, true) if body.has_triangles => {
+                    "; untangle=yes pulls out only what goes through the surface"
+                }
+                _ => "",
+            };
+            if touch.untangles() {
+                inside = stuck;
             }
             let deepest = inside
                 .iter()
@@ -57,26 +76,24 @@ impl Scene {
             };
             let named = self.named(vertex as u32);
             let x = state.positions[vertex];
-            let advice = match (body.has_triangles, touch.untangles()) {
-                (true, false) => {
-                    ", or have what goes through the surface pulled out (untangle=yes)"
-                }
-                (true, true) => "; untangle=yes pulls out only what goes through the surface",
-                (false, _) => "",
-            };
-            return Err(BenchError::Usage(format!(
-                "the cloth starts inside obstacle {} ({}), with {} of its vertices: the deepest is vertex {named}, at \
-                 ({:.4}, {:.4}, {:.4}) m, {:.3e} m below the surface; move it out, \
-                 the thickness of {} m away, or hold what is to stay inside{advice}",
-                body.number,
-                body.kind,
-                inside.len(),
-                x.x,
-                x.y,
-                x.z,
-                depth.abs(),
-                touch.thickness()
-            )));
+            let (count, number, kind) = (inside.len(), body.number, body.kind);
+            let (thickness, at) = (
+                touch.thickness(),
+                format!("({:.4}, {:.4}, {:.4}) m", x.x, x.y, x.z),
+            );
+            return Err(BenchError::Usage(if depth <= ON_SURFACE * thickness {
+                format!(
+                    "the cloth starts on the surface of obstacle {number} ({kind}), with {count} of its vertices, \
+                     among them vertex {named}, at {at}; start it outside, the thickness of {thickness} m away \
+                     (translate of its [[mesh]]), or hold what is to stay there{advice}"
+                )
+            } else {
+                format!(
+                    "the cloth starts inside obstacle {number} ({kind}), with {count} of its vertices: the deepest is \
+                     vertex {named}, at {at}, {depth:.3e} m below the surface; move it out, the thickness of \
+                     {thickness} m away (translate of its [[mesh]]), or hold what is to stay inside{advice}"
+                )
+            }));
         }
         Ok(())
     }
@@ -109,8 +126,16 @@ impl Scene {
             let [low, high] = bounds(mesh.positions().iter().copied());
             (high - low).norm()
         });
-        let size = sizes.filter(|size| *size > LARGEST_CLOTH).map(|size| {
-            format!("the cloth is {size:.0} m across: lengths are in metres (scale = 0.001 makes them of millimetres)")
+        // Meshes of files alone have an order of their own.
+        let (largest, whose) = match self.order {
+            Some(_) => (LARGEST_FROM_FILE, " of the file"),
+            None => (LARGEST_CLOTH, ""),
+        };
+        let size = sizes.filter(|size| *size > largest).map(|size| {
+            format!(
+                "the cloth{whose} is {size:.0} m across: lengths are in metres (scale = 0.01 makes them of \
+                 centimetres, scale = 0.001 of millimetres)"
+            )
         });
         step.into_iter().chain(size)
     }

@@ -462,6 +462,16 @@ fn clamps_bear_the_pull_of_the_sheet_and_pins_its_weight() {
     let said = String::from_utf8(out.stderr).unwrap();
     assert_eq!(out.status.code(), Some(2), "{said}");
     assert!(said.contains("--pin-loads is for held vertices"), "{said}");
+    let linearised = ["run", "hang", "--method", "linear-implicit"];
+    let out = program(&[&linearised[..], &["--pin-loads", "x.csv", "--json"]].concat());
+    let said = String::from_utf8(out.stderr).unwrap();
+    assert_eq!(out.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("`linear-implicit` does not tell the forces at held vertices"),
+        "{said}"
+    );
+    // Before the run: nothing is told of one.
+    assert!(out.stdout.is_empty(), "{:?}", out.stdout);
 }
 
 /// A disk of cloth on a ring that is tilted by more than the angle of friction, held because it sags into the ring:

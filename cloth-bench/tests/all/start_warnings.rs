@@ -155,6 +155,19 @@ fn numbers_in_other_units_are_told() {
         &large(142),
         "m across: lengths are in metres"
     ));
+    // A file more often is in other units than a generator.
+    let path = written("large-file", "").with_extension("obj");
+    std::fs::write(&path, "v 0 0 0\nv 12 0 0\nv 0 16 0\nf 1 2 3\n").unwrap();
+    let file = |scale: &str| {
+        format!("[[mesh]]\nfile = {path:?}\nscale = {scale}\n[[pins]]\nselect = \"corners\"\n")
+    };
+    let across = "the cloth of the file is 21 m across: lengths are in metres (scale = 0.01 makes";
+    assert!(!says(
+        "cloth-of-a-file",
+        &file("0.99"),
+        "lengths are in metres"
+    ));
+    assert!(says("large-cloth-of-a-file", &file("1.05"), across));
     let slow = |dt: &str| format!("dt = {dt}\n{held}");
     assert!(!says("long-step", &slow("0.5"), "dt is in seconds"));
     assert!(says("longer-step", &slow("16"), "dt = 16 s is longer"));

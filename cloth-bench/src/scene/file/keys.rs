@@ -82,8 +82,9 @@ crate::settings! {
         mesh: Option<u32> = "none",
             "number of the [[mesh]] table, from 0, whose vertices (of a tear, triangles) alone are chosen; none: all";
         select: Option<String> = "none",
-            "\"corners\" (the two at one end of a sheet), \"highest\" or \"border\" (all on an edge of one triangle); \
-             give this, vertices or a box";
+            "\"corners\" (of a level sheet, from a file or a generator, the two at its end of the largest y; where \
+             up is y, of the smallest z; where up is x, of the largest z), \"highest\" or \"border\" (all on an edge \
+             of one triangle); give this, vertices or a box";
         vertices: Option<Vec<u32>> = "none",
             "numbers from 0, in the order of the file or the generator, in the given mesh or mesh after mesh";
         corners as "box": Option<[Vec3; 2]> = "none" "m",
