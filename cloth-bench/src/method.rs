@@ -89,7 +89,8 @@ pub const METHODS: [Method; 10] = [
     },
     Method {
         name: "linear-implicit",
-        about: "implicit Euler with one linear solve a step (Baraff and Witkin)",
+        about: "implicit Euler with one linear solve a step (Baraff and Witkin); what turns far in a step is slowed: a \
+                strip that slides off a pole goes a fifth as far in steps of 1/60 s, two thirds in steps of 1/240 s",
         parameters: mass_spring::LINEARIZED,
         kind: Kind::LinearImplicit,
     },

@@ -55,6 +55,7 @@ mod scene_file;
 mod scene_text;
 mod seam;
 mod settings;
+mod sliding;
 mod soft_pins;
 mod solids;
 mod start_warnings;
