@@ -2,7 +2,8 @@
 
 use super::{ChangeKind, Scene};
 use crate::error::BenchError;
-use cloth_core::math::Real;
+use cloth_collide::obstacle::Obstacle;
+use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
 impl Scene {
@@ -66,8 +67,8 @@ impl Scene {
         Ok(blown.max(along * (beyond / force) * count / sum))
     }
 
-    /// Whether bodies can hang in the cloth: not if nothing holds it, and nothing is below but floors, on which they
-    /// come to lie.
+    /// Whether bodies can hang in the cloth: not if nothing holds it, and nothing is below but floors and tables, on which
+    /// they come to lie.
     fn can_carry(&self) -> bool {
         let touch = self.touch.iter();
         let mut stands = touch.flat_map(|touch| touch.standing_obstacles());
@@ -76,6 +77,14 @@ impl Scene {
             || !self.changes.is_empty()
             || !self.gases.is_empty()
             || !self.volumes.is_empty()
-            || !stands.all(|o| o.shape().bounds().is_none() && self.lies_level(o))
+            || !stands.all(|o| self.is_below_all(o))
+    }
+
+    /// Whether all of the cloth starts above a level side of the obstacle.
+    fn is_below_all(&self, obstacle: &Obstacle) -> bool {
+        let level = (1.0 - 1e-9) * self.gravity.norm();
+        let up = |x: &Vec3| obstacle.signed_distance(*x, 0.0).normal;
+        let mut all = self.start.positions.iter();
+        all.all(|x| -up(x).dot(&self.gravity) >= level)
     }
 }

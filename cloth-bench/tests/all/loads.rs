@@ -129,6 +129,15 @@ shape = "plane"
         [on_floor, &with_body, &held].map(|text| substeps(&scene("box-on-cloth", text)));
     assert!(lying < 3 * alone, "{lying}, {alone}");
     assert!(hanging > lying, "{hanging}, {lying}");
+    // A table serves as the floor does, unless cloth begins beyond its border.
+    let table = |size| {
+        let table =
+            format!("shape = \"box\"\nsize = [{size}, {size}, 0.1]\nposition = [0, 0, -0.05]");
+        let text = with_body.replacen("shape = \"plane\"", &table, 1);
+        substeps(&scene("box-on-table", &text))
+    };
+    assert_eq!(table(1.0), lying);
+    assert!(table(0.4) > lying);
     // As many as the same force would take, however it is spread.
     let pushed = format!(
         "{on_floor}[[pins]]\nselect = \"corners\"\n[[force]]\nbox = [[-1, -1, -1], [1, 1, 1]]\nforce = [0, 0, -49.05]\n"
