@@ -167,7 +167,7 @@ impl<const N: usize> Stencils<N> {
         assert_eq!(elements.len(), count, "one stencil per element");
         assert_eq!(slots.len(), count, "one slot per element");
         assert_eq!(x.len(), self.vertex_count, "one position per vertex");
-        assert_eq!(shared.len(), self.vertex_count, "one weight per vertex");
+        assert_eq!(shared.len(), self.vertex_count, "one value per vertex");
         let stage_count = self.stages.len();
         for done in 0..stage_count {
             let stage = if BACK { stage_count - 1 - done } else { done };
