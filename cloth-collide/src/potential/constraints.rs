@@ -19,7 +19,7 @@ use super::culled_substeps::CulledSubsteps;
 use super::forces::Ledger;
 use super::near::Near;
 use super::pair_constraint::{PairConstraint, Role};
-use super::patches::{NearPair, Patches};
+use super::patches::{Lists, NearPair, Patches};
 use super::rebound::Rebounds;
 use super::report::ConstraintReport;
 use super::source::Contacts;
@@ -51,8 +51,8 @@ pub(super) struct Constraints {
     pub(super) patches: Option<Patches>,
     pub(super) bodies: Bodies,
     /// Of this substep, and of the one before.
-    lists: Vec<Vec<PairConstraint>>,
-    last: Vec<Vec<PairConstraint>>,
+    lists: Lists<PairConstraint>,
+    last: Lists<PairConstraint>,
     culled: CulledSubsteps,
     /// Whether the last step was taken with these constraints.
     pub(super) took_last: bool,
@@ -84,11 +84,11 @@ impl Constraints {
     /// Begins without constraints, and remembers what there was.
     fn clear(&mut self) {
         std::mem::swap(&mut self.lists, &mut self.last);
-        self.lists.iter_mut().for_each(Vec::clear);
+        self.lists.clear();
     }
 
     fn iter(&self) -> impl Iterator<Item = &PairConstraint> {
-        self.lists.iter().flatten()
+        self.lists.iter()
     }
 
     /// Those that have pushed.
@@ -168,7 +168,7 @@ impl ContactConstraints for Contacts {
         if self.constraints.culled.is_on {
             return;
         }
-        for contact in self.constraints.lists.iter_mut().flatten() {
+        for contact in self.constraints.lists.iter_mut() {
             if contact.role == Role::Pushes {
                 contact.project(step.inverse_mass, x);
             }
@@ -207,7 +207,7 @@ impl ContactConstraints for Contacts {
                 _ => return self.end_by_zones(step, x),
             }
             if round < REPAIRS {
-                for contact in self.constraints.lists.iter_mut().flatten() {
+                for contact in self.constraints.lists.iter_mut() {
                     if contact.is_violated {
                         contact.harden(x);
                     }
@@ -282,7 +282,7 @@ impl Contacts {
                      pair: &mut NearPair,
                      place: Option<[u32; 2]>,
                      travel| {
-            let last = place.map(|[list, index]| &last[list as usize][index as usize]);
+            let last = place.map(|place| last.at(place));
             PairConstraint::add(list, pair, last, near, step, (to, travel, reach)) - pair.range
         };
         patches.detect_for_substep(near, [step.from, to], begins, &mut constraints.lists, visit)
@@ -294,9 +294,10 @@ impl Contacts {
             return None;
         }
         let near = &self.near;
-        let count = test_all(&mut self.constraints.lists, x.len(), &|contact| {
-            contact.test(near, step, x)
-        });
+        let test = |contact: &mut PairConstraint| contact.test(near, step, x);
+        let (first, later) = self.constraints.lists.split();
+        let count =
+            test_all(first, x.len(), &test) + test_all(std::slice::from_mut(later), x.len(), &test);
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         Some(count + self.constraints.bodies.violations(&substep, x))
     }
@@ -312,7 +313,6 @@ impl Contacts {
         let pairs = constraints
             .lists
             .iter()
-            .flatten()
             .filter(|contact| contact.is_violated);
         let vertices = pairs.flat_map(|contact| contact.pair.vertices);
         let fractions = &mut constraints.fractions;
@@ -371,14 +371,13 @@ impl Contacts {
             let touching = constraints
                 .lists
                 .iter()
-                .flatten()
                 .filter(|contact| contact.state.lambda > 0.0);
             rebounds.find(touching, near, step, x);
             constraints
                 .bodies
                 .rebounds(&substep, rebounds.least(near), x, &mut rebounds.list);
         }
-        if constraints.lists.iter().all(Vec::is_empty) && constraints.bodies.len() == 0 {
+        if constraints.lists.is_empty() && constraints.bodies.len() == 0 {
             let patches = constraints.patches.as_ref();
             let relative = patches.map_or(Some(Real::INFINITY), Patches::margin);
             let whole = constraints.bodies.margin(&substep, x);

@@ -83,6 +83,7 @@
 mod between;
 mod detect;
 mod frame;
+mod lists;
 mod measure;
 mod path;
 
@@ -96,6 +97,8 @@ use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use detect::PatchQuery;
 use frame::{Four, Group};
+use lists::LATER;
+pub(super) use lists::Lists;
 use measure::{PatchMotion, Places};
 
 /// Queries whose constraints are in one list.
@@ -108,9 +111,12 @@ const LEAST_BOUND: Real = 0.5;
 const MOTIONS: Real = 60.0;
 /// The same (in mean edges), at most, unless one substep needs more.
 const LARGEST_BOUND: Real = 0.5;
+/// Pairs of patches for each patch, above which the largest bound is less in the same measure: where many layers lie on
+/// each other, it would reach across several of them.
+const CROWDED: Real = 8.0;
 /// Path (in mean edges) that a patch may go until pairs of patches are searched anew, at least; and in one substep, at
 /// most.
-const REACH: Real = 1.0;
+const REACH: Real = 0.3;
 const FARTHEST: Real = 30.0;
 
 /// Two primitives that can touch.
@@ -172,9 +178,10 @@ pub(super) struct Patches {
     spare: Vec<PatchPair>,
     queries: Vec<PatchQuery>,
     is_known: bool,
-    /// Number of the substep, how many lists of constraints it has begun with, and whether anything was asked in it.
+    /// The largest motion bound of a detection: this fraction of what it is where cloth lies in few layers.
+    share: Real,
+    /// Number of the substep, and whether anything was asked in it.
     substep: u32,
-    filled: usize,
     has_asked: bool,
     /// Searches among pairs of patches so far, and among their triangles.
     pub(super) searches: u32,
@@ -288,7 +295,7 @@ impl Patches {
         near: &Near,
         [x, to]: [&[Vec3]; 2],
         begins: bool,
-        lists: &mut Vec<Vec<T>>,
+        lists: &mut Lists<T>,
         visit: impl Fn(&mut Vec<T>, &mut NearPair, Option<[u32; 2]>, Real) -> Real + Sync,
     ) -> bool {
         self.measure(to, false);
@@ -320,25 +327,16 @@ impl Patches {
         }
         self.has_asked |= !queries.is_empty();
         self.find(near, x, &mut queries);
-        // What is asked at the beginning fills some lists, and what else comes the next one.
-        let first = if begins { 0 } else { self.filled };
-        let count = match begins {
-            true => queries.len().div_ceil(QUERIES),
-            false => 1,
-        };
-        if begins {
-            self.filled = count;
-        }
-        if lists.len() <= first + count {
-            lists.resize_with(first + count + 1, Vec::new);
-        }
         let visits = Visits {
             substep: self.substep,
             vertices: x.len(),
             visit: &visit,
         };
-        let lists = &mut lists[first..first + count];
-        visits.ask_all(&mut queries, (&mut self.pairs, 0), (lists, first as u32));
+        let (lists, first) = match begins {
+            true => (lists.begin(queries.len().div_ceil(QUERIES)), 0),
+            false => (std::slice::from_mut(&mut lists.later), LATER),
+        };
+        visits.ask_all(&mut queries, (&mut self.pairs, 0), (lists, first));
         for query in &queries {
             self.left[query.number as usize] = query.left;
         }
@@ -360,6 +358,7 @@ impl Patches {
         let meet = |pair: &[u32; 2]| near.patches_meet(pair.map(|p| members[p as usize].1[0]));
         self.ids.retain(meet);
         self.ids.sort_unstable();
+        self.share = (CROWDED * self.members.len() as Real / self.ids.len() as Real).min(1.0);
         x.clone_into(&mut self.searched);
         self.strayed = 0.0;
         std::mem::swap(&mut self.pairs, &mut self.before);

@@ -134,7 +134,8 @@ impl Patches {
     fn motion_bound(&self, near: &Near, once: Real) -> Real {
         let h = near.law.range();
         let once = once + DETECTION_MARGIN * h;
-        let bound = (MOTIONS * once).clamp(LEAST_BOUND * h, (LARGEST_BOUND * self.edge).max(h));
+        let largest = (LARGEST_BOUND * self.edge).max(h) * self.share;
+        let bound = (MOTIONS * once).clamp(LEAST_BOUND * h, largest.max(LEAST_BOUND * h));
         bound.max(1.5 * once)
     }
 
