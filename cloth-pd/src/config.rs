@@ -34,6 +34,10 @@ pub struct PdConfig {
     /// | yes | no | 0.3 τ | 20 |
     /// | yes | yes | 0.3 τ, in the first 15 a tenth of it | 6 |
     ///
+    /// With active contacts forces have to be near balance, too: `‖∇G(x)‖ ≤ ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹. Where
+    /// pairs are much too near, directions that only take them apart have small decrements: a sheet stretched over two
+    /// poles then ended with a tenth to a third of the friction missing, for good.
+    ///
     /// A method without pairs (`history: 0`, plain, Chebyshev) makes at least 30 iterations in contact, and its ε is
     /// 0.3 τ from the first on. Without contact ε is smaller where pins move because strain that a step leaves where a
     /// pin has pulled adds up over the steps.

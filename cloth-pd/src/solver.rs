@@ -405,7 +405,8 @@ impl PdSolver {
                     (false, _) => (least, fraction),
                 };
                 let is_met = relapses.accepts(self.velocity_errors(fraction, decrease));
-                if is_met && report.iterations >= first + least {
+                let is_enough = report.iterations >= first + least;
+                if is_met && is_enough && (!self.is_newton() || self.is_near_balance()) {
                     return Ok(Outcome::Converged);
                 }
             }

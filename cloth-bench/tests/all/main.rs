@@ -40,6 +40,7 @@ mod method_tables;
 mod names;
 mod page;
 mod pinched;
+mod poles;
 #[path = "../support/program.rs"]
 mod program;
 mod readme;

@@ -92,6 +92,23 @@ impl PdSolver {
         objective.norm(&self.point.gradient) <= tolerance * forces
     }
 
+    /// Whether the forces at the point, in a step with active contacts, are no larger than those that it takes to end
+    /// where it does (in the norm of M⁻¹). A direction that only takes pairs apart that are much too near has a small
+    /// decrement, while the rest of the cloth is not where it will be.
+    pub(super) fn is_near_balance(&self) -> bool {
+        let forces = self.objective.norm(&self.point.gradient);
+        !self.has_contact() || forces * self.objective.dt() <= self.velocity()
+    }
+
+    /// The change of velocity by elastic and contact forces, in the norm of M (√kg m/s); not less than what counts as
+    /// zero.
+    fn velocity(&self) -> Real {
+        let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
+        forced
+            .max(NEGLIGIBLE_SPEED * self.objective.speed(&self.point))
+            .max(NEGLIGIBLE_WAY * self.objective.position_speed(&self.point))
+    }
+
     /// How far velocities are from those of the minimum, over what `fraction` of the tolerance asks, squared: first by
     /// the Newton decrement of the last direction, then by `decrease` (J), that of `G` in [`DECREASE_WINDOW`]
     /// iterations.
@@ -101,11 +118,7 @@ impl PdSolver {
         let Method::QuasiNewton(method) = &self.method else {
             return [Real::INFINITY; 2];
         };
-        let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
-        let velocity = forced
-            .max(NEGLIGIBLE_SPEED * self.objective.speed(&self.point))
-            .max(NEGLIGIBLE_WAY * self.objective.position_speed(&self.point));
-        let enough = (fraction * self.config.velocity_tolerance * velocity).powi(2);
+        let enough = (fraction * self.config.velocity_tolerance * self.velocity()).powi(2);
         let decrement = match method.decrement() {
             known if known.is_finite() => known,
             _ => (self.objective.norm(&self.point.gradient) * self.objective.dt()).powi(2),
