@@ -60,7 +60,7 @@ enum Kind {
 
 /// More parts of a step than this are a slip of the pen, and more than these are worth a note.
 const MOST_SUBSTEPS: Real = 1e6;
-const MANY_SUBSTEPS: u32 = 1000;
+const MANY_SUBSTEPS: u32 = 500;
 /// Fraction of the steps with truncated vertices that is worth a warning.
 const TRUNCATED: Real = 0.1;
 /// Strain at the end of a run of which sweeps may have left a part that is worth a warning: more than their number is
@@ -212,8 +212,8 @@ impl Method {
         let (strain, sweeps) = (summary.max_stretch, summary.iterations_per_step);
         (matches!(self.kind, Kind::Xpbd) && strain > SWEPT_STRAIN).then(|| {
             format!(
-                "an edge is {:.0} % longer at the end than at rest: {sweeps} sweeps a step may leave some of that beside \
-                 the material's; see what `--set substeps={}` makes of it",
+                "an edge is {:.0} % longer at the end than at rest: where loads and pins do not stretch it so, {sweeps} \
+                 sweeps a step leave some of that; see what `--set substeps={}` makes of it",
                 100.0 * strain,
                 4 * sweeps.max(1)
             )

@@ -464,6 +464,7 @@ fn take_steps(
         min_distance: separation.and_then(|s| s.min_distance),
         min_clearance: min_clearance(&scene, state),
         max_seam_gap: scene.max_seam_gap(state),
+        open_seam: scene.seam_warning(state, state.time),
         max_volume_change: scene.max_volume_change(state),
         ..counted
     };

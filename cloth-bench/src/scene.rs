@@ -418,7 +418,7 @@ const MOST_LINKS: Real = 1e7;
 crate::settings! {
     /// Of `drop`.
     pub(crate) struct Floor {
-        floor: Option<Real> = "none" "m", "how far below the lowest vertex there is a floor, or none";
+        floor: Option<Real> = "none" "m", "depth of a floor, two thicknesses more, below the lowest vertex, or none";
     }
     /// Of `twist`.
     pub(crate) struct Twist {

@@ -149,32 +149,3 @@ pub(crate) fn external_work(
     work += air.map_or(0.0, |air| air.work(x, inverse_mass));
     work + rounding_energy(mass, size, input.dt)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Doubled by a step that gains, lowered by √2 after good ones; a step that gains with a lowered number goes back
-    /// to the one before, and one that comes later, with a number that has done well, doubles again.
-    #[test]
-    fn a_lowered_number_that_has_done_well_is_doubled_like_any_other() {
-        let (calm, gains) = ([1.0, 1.0], [1.0, 1.1]);
-        let mut refinement = Refinement::new(0.01);
-        assert!(refinement.refines(gains, 0.0));
-        assert_eq!(refinement.substeps(100), 200);
-        let mut numbers = Vec::new();
-        for _ in 0..3 {
-            assert!(!refinement.refines(calm, 0.0));
-            numbers.push(refinement.substeps(100));
-        }
-        assert_eq!(numbers, [200, 141, 100]);
-
-        let mut lowered = refinement;
-        assert!(lowered.refines(gains, 0.0));
-        assert_eq!(lowered.substeps(100), 141);
-
-        assert!(!refinement.refines(calm, 0.0));
-        assert!(refinement.refines(gains, 0.0));
-        assert_eq!(refinement.substeps(100), 200);
-    }
-}

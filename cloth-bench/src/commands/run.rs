@@ -416,6 +416,7 @@ fn simulate(
     let warnings = [
         summary.start_warning(),
         summary.stretched.clone(),
+        summary.open_seam.clone(),
         method.stretch_warning(&summary),
         summary
             .energy_warning()

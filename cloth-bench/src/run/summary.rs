@@ -104,6 +104,8 @@ pub struct Summary {
     pub min_clearance: Option<Real>,
     /// Largest distance (m) at the end of a vertex from what it is sewn to; none where there is no seam.
     pub max_seam_gap: Option<Real>,
+    /// A sentence about it, where a seam that has closed is wide open.
+    pub open_seam: Option<String>,
     /// Largest change of a sealed volume at the end (dimensionless, of its rest volume); none where there is none.
     pub max_volume_change: Option<Real>,
 }

@@ -66,7 +66,7 @@ fn pressure(body: &RigidBody, surface: &TriMesh) -> Real {
 }
 
 /// The mean length (m) of the edges of the triangles.
-fn mean_edge(mesh: &TriMesh) -> Real {
+pub(super) fn mean_edge(mesh: &TriMesh) -> Real {
     let x = mesh.positions();
     let length = |[a, b]: [u32; 2]| (x[a as usize] - x[b as usize]).norm();
     let edges = mesh

@@ -1,8 +1,12 @@
 //! What a user should know of a mesh: border vertices that lie on each other without being one, as in a file in which
-//! faces do not share their corners; fans that touch in one vertex; and sides that change places.
+//! faces do not share their corners; fans that touch in one vertex; sides that change places; and seams that stay open.
 
+use super::contact::mean_edge;
 use super::{ChangeKind, Scene};
+use cloth_core::element::Element;
+use cloth_core::energy::Stitch;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
 use cloth_core::topology::{
     DisjointSets, EdgeTable, bow_tie_vertices, components, inconsistently_oriented_edges,
 };
@@ -60,6 +64,26 @@ impl Scene {
             )
         });
         touching_at.into_iter().chain(turned_at).collect()
+    }
+
+    /// A sentence about a seam that is open by more than an edge where it has closed, if there is one.
+    pub(crate) fn seam_warning(&self, state: &State, time: Real) -> Option<String> {
+        fn opening<const N: usize>(stitch: &Stitch<N>, x: &[Vec3]) -> ([u32; 2], Real, Real) {
+            let ends = [stitch.vertices()[0], stitch.vertices()[1]];
+            (ends, stitch.gap(x).norm(), stitch.until())
+        }
+        let (seam, x) = (self.model.seam(), &state.positions);
+        let pairs = seam.pairs.iter().map(|stitch| opening(stitch, x));
+        let onto_edges = seam.onto_edges.iter().map(|stitch| opening(stitch, x));
+        let closed = pairs.chain(onto_edges).filter(|(.., until)| *until <= time);
+        let (ends, gap, _) = closed.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let [a, b] = ends.map(|v| self.named(v));
+        (gap > mean_edge(self.mesh.as_ref()?)).then(|| {
+            format!(
+                "a seam is still open by {gap:.4} m between vertices {a} and {b}, where it should have closed: something is \
+                 in between or holds them, or what it joins is too small"
+            )
+        })
     }
 
     /// A sentence about border vertices in the same place that nothing joins, if there are any: the cloth falls apart

@@ -475,3 +475,38 @@ fn a_seam_that_closes_hides_no_energy_from_nowhere() {
     let (excess, given) = (end.energy_excess, end.energy_given);
     assert!(excess < 0.01 * given, "{excess} J of {given}");
 }
+
+/// Both sheets are held by their far sides: a soft seam cannot close, and the run says so, once it should have.
+#[test]
+fn a_seam_that_cannot_close_is_told() {
+    let pins = "[[pins]]\nvertices = [0, 5, 10, 15, 20, 29, 34, 39, 44, 49]\n";
+    let scene = build(
+        "held",
+        &format!("{}{pins}", two_free("until = 0.05\nstiffness = 10\n")),
+    )
+    .unwrap();
+    let ends = |steps| {
+        run(
+            &scene,
+            "implicit-euler",
+            &Settings::default(),
+            steps,
+            |_, _| (),
+        )
+        .0
+    };
+    assert_eq!(ends(8).open_seam, None);
+    let (told, gap) = (ends(20).open_seam.unwrap(), ends(20).max_seam_gap.unwrap());
+    assert!(
+        told.contains(&format!("open by {gap:.4} m between vertices")),
+        "{told}"
+    );
+    // What nothing holds closes.
+    let free = build("closes", &two_free("until = 0.05\n")).unwrap();
+    assert_eq!(
+        run(&free, "implicit-euler", &Settings::default(), 20, |_, _| ())
+            .0
+            .open_seam,
+        None
+    );
+}

@@ -285,3 +285,24 @@ fn explicit_run_may_start_within_the_thickness() {
     assert!(held > 1e-4 && given >= held, "{held} {given}");
     assert_eq!(end["energy_excess"], 0.0);
 }
+
+/// Any number of turns may be meant; a round number of radians that is one of degrees seldom is.
+#[test]
+fn turns_in_degrees_are_told() {
+    for (turn, is_told) in [
+        ("90", true),
+        ("-45", true),
+        ("12.566370614359172", false),
+        ("1.5", false),
+    ] {
+        let pins =
+            format!("[[pins]]\nselect = \"corners\"\nturn = [0, 0, {turn}]\nduration = 100\n");
+        let (code, said) = told("turn", &[SHEET, &pins].concat(), &["implicit-euler"]);
+        assert_eq!(code, 0, "{said}");
+        assert_eq!(
+            said.contains("90 degrees are 1.5708 rad"),
+            is_told,
+            "{said}"
+        );
+    }
+}

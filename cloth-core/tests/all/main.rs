@@ -10,6 +10,7 @@ mod cloth;
 #[cfg(feature = "cholesky")]
 mod coarse_membrane;
 mod coloring;
+mod contact_hessian;
 mod contact_steps;
 #[path = "../support/counting_allocator.rs"]
 mod counting_allocator;
@@ -54,6 +55,7 @@ mod stitch;
 mod sweep_forms;
 mod sweeps;
 mod topology;
+mod truncated_gradients;
 mod truncation;
 mod trust;
 mod weights;

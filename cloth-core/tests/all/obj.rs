@@ -194,11 +194,11 @@ fn every_mistake_names_its_line() {
         ("f 2 4 2\n", "line 7: the face names a vertex twice"),
         (
             "f 3 1 2\n",
-            "line 7: the face has the same three vertices as that of line 5",
+            "line 7: the face has the same three vertices as that of line 5: remove one of the two",
         ),
         (
             "f 2 1 3\n",
-            "line 7: the face has the same three vertices as that of line 5",
+            "line 7: the face has the same three vertices as that of line 5: remove one of the two",
         ),
         (
             "v 2 2 0\n",
@@ -210,7 +210,8 @@ fn every_mistake_names_its_line() {
         ),
         (
             "v 2 2 1\nf 1 3 5\n",
-            "line 8: the edge between vertices 1 and 3, counted from 1, belongs to the faces of lines 5 and 6 already",
+            "line 8: the edge between vertices 1 and 3, counted from 1, belongs to the faces of lines 5 and 6 already: \
+             of the sheets that meet in it, give all but two vertices of their own there",
         ),
         ("<html>\n", "line 7: \"<html>\" is not a keyword of OBJ"),
         ("1 2 3\n", "line 7: \"1\" is not a keyword of OBJ"),

@@ -1,6 +1,10 @@
 //! Steps that would gain energy, against the energy of a run added up from outside, and against runs with more substeps
 //! from the start.
 
+#[path = "../../src/refinement.rs"]
+#[expect(dead_code, reason = "what a step uses of it")]
+mod source;
+
 use crate::sheet::held_sheet;
 use cloth_core::cloth::ClothModel;
 use cloth_core::math::{Real, Vec3};
@@ -9,6 +13,7 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
+use source::Refinement;
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 const DT: Real = 1.0 / 60.0;
@@ -88,4 +93,28 @@ fn a_step_that_gains_nothing_has_the_same_bits_without_the_balance() {
     });
     let [with, without] = &mut states;
     assert_eq!(with.positions, without.positions);
+}
+
+/// Doubled by a step that gains, lowered by √2 after good ones; a step that gains with a lowered number goes back
+/// to the one before, and one that comes later, with a number that has done well, doubles again.
+#[test]
+fn a_lowered_number_that_has_done_well_is_doubled_like_any_other() {
+    let (calm, gains) = ([1.0, 1.0], [1.0, 1.1]);
+    let mut refinement = Refinement::new(0.01);
+    assert!(refinement.refines(gains, 0.0));
+    assert_eq!(refinement.substeps(100), 200);
+    let mut numbers = Vec::new();
+    for _ in 0..3 {
+        assert!(!refinement.refines(calm, 0.0));
+        numbers.push(refinement.substeps(100));
+    }
+    assert_eq!(numbers, [200, 141, 100]);
+
+    let mut lowered = refinement;
+    assert!(lowered.refines(gains, 0.0));
+    assert_eq!(lowered.substeps(100), 141);
+
+    assert!(!refinement.refines(calm, 0.0));
+    assert!(refinement.refines(gains, 0.0));
+    assert_eq!(refinement.substeps(100), 200);
 }

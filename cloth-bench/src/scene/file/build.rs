@@ -188,9 +188,12 @@ impl<'a> Sections<'a> {
             methods: self.methods.clone(),
             ..scene
         };
-        scene
-            .hints
-            .extend(hints::of_rotations(&self.meshes, &self.obstacles)?);
+        scene.hints.extend(hints::of_rotations([
+            &self.meshes,
+            &self.obstacles,
+            &self.pins,
+            &self.events,
+        ])?);
         scene.event_times = hints::event_times([
             &self.events,
             &self.pins,

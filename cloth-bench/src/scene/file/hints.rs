@@ -1,18 +1,25 @@
 //! What a file says that is seldom meant: most of it are numbers in other units.
 
 use super::document::Section;
-use super::keys::{Event, Force, Hold, Obstacle, Piece, Seam};
+use super::keys::{Event, Force, Hold, Obstacle, Piece, Seam, Way};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::Scene;
 use cloth_core::math::{Real, Vec3};
 use std::f64::consts::TAU;
 
-/// Of a rotation (rad) beyond one turn.
+/// Of a rotation (rad) beyond one turn, and of pins that make as many turns as a round number of degrees would be.
 pub(super) fn of_rotations(
-    meshes: &[Section<'_>],
-    obstacles: &[Section<'_>],
+    [meshes, obstacles, pins, events]: [&[Section<'_>]; 4],
 ) -> Result<Vec<String>, BenchError> {
+    let ways = pins.iter().chain(events).map(|section| {
+        let turn = section.read::<Way>()?.turn;
+        Ok((section, turn.unwrap_or_default().norm()))
+    });
+    let ways: Vec<_> = ways.collect::<Result<_, BenchError>>()?;
+    let in_degrees = ways
+        .into_iter()
+        .filter(|(_, angle)| *angle > TAU && angle % 5.0 == 0.0);
     let pieces = meshes.iter().map(|section| {
         let rotate = *section.read::<Piece>()?.rotate;
         Ok((section, rotate))
@@ -25,14 +32,15 @@ pub(super) fn of_rotations(
     let all = all.into_iter();
     let angles = all.filter_map(|(section, rotate)| Some((section, rotate?.norm())));
     let turned = angles.filter(|(_, angle)| *angle > TAU);
-    Ok(turned
-        .map(|(section, angle)| {
-            let place = section.place();
-            format!(
-                "{place}rotate is by {angle} rad, more than one turn: 90 degrees are 1.5708 rad"
-            )
-        })
-        .collect())
+    let rotate = turned.map(|(section, angle)| {
+        let place = section.place();
+        format!("{place}rotate is by {angle} rad, more than one turn: 90 degrees are 1.5708 rad")
+    });
+    let turn = in_degrees.map(|(section, angle)| {
+        let (place, turns) = (section.place(), angle / TAU);
+        format!("{place}turn is by {angle} rad, {turns:.2} turns: 90 degrees are 1.5708 rad")
+    });
+    Ok(rotate.chain(turn).collect())
 }
 
 /// What begins at a time: tables, and the time (s) of one.

@@ -91,7 +91,7 @@ impl fmt::Display for ObjProblem {
             Self::DuplicateFace { first_line } => {
                 write!(
                     f,
-                    "the face has the same three vertices as that of line {first_line}"
+                    "the face has the same three vertices as that of line {first_line}: remove one of the two"
                 )
             }
             Self::UnreferencedVertex => write!(
@@ -100,7 +100,8 @@ impl fmt::Display for ObjProblem {
             ),
             Self::NonManifoldEdge { ends, first_lines } => write!(
                 f,
-                "the edge between vertices {} and {}, counted from 1, belongs to the faces of lines {} and {} already",
+                "the edge between vertices {} and {}, counted from 1, belongs to the faces of lines {} and {} already: \
+                 of the sheets that meet in it, give all but two vertices of their own there",
                 ends[0], ends[1], first_lines[0], first_lines[1]
             ),
             Self::Mesh(error) => error.fmt(f),
