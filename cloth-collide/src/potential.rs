@@ -205,8 +205,8 @@
 //!   ρ g (H/R − 1 + 2 cos φ).
 //! - *Capstan.* Where a strip turns by δ at a vertex, with the tensions T₁ < T₂ on its two sides, the normal force is
 //!   (T₁ + T₂) sin δ/2, and friction has to hold (T₂ − T₁) cos δ/2. It slips above T₂/T₁ = (1 + μ tan δ/2)/(1 − μ tan
-//!   δ/2), and over N such vertices above the N-th power of that. For δ → 0 this is e^{μθ}, θ = N δ. With μ = 0.3, 16
-//!   vertices and half a turn it is 2.575, beside e^{μπ} = 2.566.
+//!   δ/2), and over several such vertices above the product of that. For δ → 0 this is e^{μθ}, θ the sum of all δ. With
+//!   μ = 0.3 and half a turn in 15 vertices of π/16 and two of π/32 it is 2.574, beside e^{μπ} = 2.566.
 //! - *Bounce.* With restitution e a sheet that falls from the height H rises to e²ⁿ H after n bounces.
 //!
 //! On a cylinder contact is right only as far as the tension is. PBD at its default makes cloth softer than its

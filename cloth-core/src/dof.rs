@@ -13,7 +13,7 @@
 //! # What to use when
 //!
 //! Stiff edges lock a fold that finds no lines of edges to bend about. All figures are of
-//! `cloth-bench study locking --quick`, 16 cells a side: a fold under its own weight about a diagonal, when the modulus
+//! `cloth-bench study locking`, 16 cells a side: a fold under its own weight about a diagonal, when the modulus
 //! Y goes from 10⁴ to 10⁶ N/m. They are its bending energy over that of an elastica: an inextensible sheet that bends
 //! about this axis alone, with the rigidity of the hinges about it. Where nothing locks the sheet may curve across too,
 //! which makes it softer: then it reaches more than 1.

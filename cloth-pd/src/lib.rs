@@ -177,7 +177,7 @@
 //! |---|---|---|
 //! | plain, from x̃ | 0.151 | 4.64 |
 //! | quasi-Newton | 0.440 | 2.59 |
-//! | quasi-Newton with a coarse grid of 12 cells | 0.4986 | 2.40 |
+//! | quasi-Newton with a coarse grid of 12 cells | 0.4988 | 2.41 |
 //!
 //! Truncation looks like damping (the fall) and, without the grid, like softness (the stretch) at once. Once the smooth
 //! part of the error is gone the grid helps no more: the last digits take as many iterations as without it, or more.
@@ -308,8 +308,8 @@
 //! - **A step goes on until it is near enough**, as it does without contact: until forces balance (`‖∇G‖` at 10⁻⁵ of
 //!   `‖M (x − x̃)/Δt²‖`), until the Newton decrement meets the tolerance ([`PdConfig::velocity_tolerance`] has the
 //!   table), or up to [`PdConfig::most_iterations`]. If the step ends above `G` at the start all the same, it is
-//!   taken again from there. A towel whose ends are turned twice each (`cloth-bench/scenes/twist.toml`) takes 0.014 to
-//!   0.019 J with implicit Euler, with ten iterations a step 0.36 J, here 0.034 J.
+//!   taken again from there. The ends that turn a towel twice each (`cloth-bench run cloth-bench/scenes/twist.toml`,
+//!   `energy_given`) give it 0.03 J with implicit Euler and here, with ten iterations a step more than 0.2 J.
 //!
 //! So every accepted iterate, and the straight path from one to the next, is free of intersections. A sheet with 64
 //! vertices a side that falls onto a ball (`cloth-bench/scenes/ball.toml`) is stretched by 2 to 3 % at most after 20

@@ -23,7 +23,7 @@ law! {
     BOUNCE = "bounce" within 1e-2,
     "height (m) of a flat sheet after n bounces, e²ⁿ h";
     bounce(BounceSettings {
-        method: String = "xpbd", "explicit methods, pbd or xpbd";
+        method: String = "xpbd", "explicit methods, pbd, xpbd or xpbd-direct";
         restitution: Real = 0.8 in Within(0.0, 1.0), "coefficient of restitution";
         height: Real = 1 "m" in Above(0.0), "height of the fall";
         bounces: u32 = 1 in AtLeast(1.0), "number of bounces n";
@@ -37,7 +37,7 @@ law! {
         method: String = "xpbd", "any method";
         density: Real = 20 "kg/m²" in Above(0.0),
             "areal density ρ; from 102 on the gap is below h/2, in the barrier, and from 1019 on below h/20, where \
-             constraints (of xpbd, pbd and explicit methods) push no more";
+             constraints (of xpbd, pbd and explicit methods) push no harder";
     })
 }
 
@@ -126,6 +126,7 @@ fn bounce(own: &BounceSettings) -> Result<Evaluation, BenchError> {
         .map(|n| if n < bounces as i32 { 2.0 } else { 1.0 } * restitution.powi(n));
     let steps = PARTS * (1.0 + rises.sum::<Real>()) + 0.02 * PARTS;
     let method = Method::find(&own.method)?;
+    method.check_restitution(&scene)?;
     let settings = Settings::of("substeps=1");
     let dt = fall / PARTS;
     let (mut rising, mut impacts, mut highest) = (false, 0, 0.0);

@@ -20,7 +20,7 @@ crate::settings! {
         projection: Or<Material, Real> = "material" in Within(0.0, 1.0),
             "stiffness of the projections: material (one constraint alone shows its k), or a number";
         hierarchy: Option<Or<Once, u32>> = "none" in AtLeast(1.0),
-            "correction by coarse levels: none, once a substep, or the number of sweeps from one to the next";
+            "correction by coarse levels: none, once (in a substep), or the number of sweeps from one to the next";
     }
     /// Of extended position-based dynamics.
     pub(super) struct Xpbd {

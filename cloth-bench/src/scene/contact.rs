@@ -33,8 +33,8 @@ crate::settings! {
              3 p/h, with the pressure p of its weight on the smallest side of the box around it";
         restitution: Option<Real> = "none" in Within(0.0, 1.0),
             "coefficient of restitution: what hits something leaves it with this part of its speed; with explicit \
-             methods, pbd and xpbd, and 0 with all, since what minimises does not rebound anyway; none: with what \
-             contact has stored and the method has not damped";
+             methods, pbd, xpbd and xpbd-direct, and 0 with all, since what minimises does not rebound anyway; none: \
+             with what contact has stored and the method has not damped";
         untangle: bool = "no",
             "whether the cloth may pass through itself and through bodies at the start: yes (those pairs are let go, \
              and pulled apart during the run) or no (that is refused)";

@@ -198,6 +198,10 @@ fn substeps_and_iterations_leave_what_the_readme_says() {
         ),
     );
     let sheets = table(&["sag", "--quick"], "sag-iterations");
+    // A chain of as many links as substeps comes to its end between two turns.
+    let chain = number(&sheets, &["chain", "sequential", "substeps"], "mean strain");
+    let law = 9.81 * (1.0_f64 / 60.0 / 24.0).powi(2) * 24.0 * 23.0 / 2.0;
+    assert!((chain / law - 1.0).abs() < 1e-6, "{chain} of {law}");
     let [iterations, substeps] = ["iterations", "substeps"]
         .map(|kind| 100.0 * number(&sheets, &["edge", "colored", kind], "mean strain"));
     assert_says(
