@@ -81,7 +81,7 @@ fn the_direction_solves_the_hessian_with_contacts() {
     pattern.add(&springs);
     let pattern = pattern.build();
     let is_free: Vec<bool> = (0..x.len()).map(|v| v != 0).collect();
-    let mut hessian = ContactHessian::new(&pattern, is_free.clone());
+    let mut hessian = ContactHessian::new(&pattern, is_free);
     let blocks = hessian.matrix_mut().blocks_mut();
     for spring in &springs {
         let [a, b] = spring.vertices;
