@@ -1,5 +1,6 @@
 //! What a user should know of a mesh: border vertices that lie on each other without being one, as in a file in which
-//! faces do not share their corners; fans that touch in one vertex; sides that change places; and seams that stay open.
+//! faces do not share their corners; fans that touch in one vertex; sides that change places; slivers; and seams that
+//! stay open.
 
 use super::contact::mean_edge;
 use super::{ChangeKind, Scene};
@@ -10,6 +11,9 @@ use cloth_core::particles::State;
 use cloth_core::topology::{
     DisjointSets, EdgeTable, bow_tie_vertices, components, inconsistently_oriented_edges,
 };
+
+/// Length of an edge (in mean edges) below which it is seldom meant.
+const SLIVER: Real = 1e-3;
 
 /// Sets of the points that are no farther from each other than `distance` (m), or are joined by others between them;
 /// the root of a set is its lowest number.
@@ -33,8 +37,8 @@ pub(super) fn coincident(x: &[Vec3], distance: Real) -> DisjointSets {
 }
 
 impl Scene {
-    /// Sentences about bow-tie vertices and edges between triangles that are wound against each other, if there are
-    /// any: both are allowed, and seldom meant.
+    /// Sentences about bow-tie vertices, edges between triangles that are wound against each other, and slivers, if there
+    /// are any: all are allowed, and seldom meant.
     #[must_use]
     pub fn mesh_notes(&self) -> Vec<String> {
         let Some(mesh) = &self.mesh else {
@@ -63,7 +67,23 @@ impl Scene {
                 turned.len()
             )
         });
-        touching_at.into_iter().chain(turned_at).collect()
+        let x = mesh.positions();
+        let length = |[a, b]: [u32; 2]| (x[a as usize] - x[b as usize]).norm();
+        let lengths = edges.ends().iter().map(|&ends| (ends, length(ends)));
+        let shortest = lengths.min_by(|a, b| a.1.total_cmp(&b.1));
+        let mean = mean_edge(mesh);
+        let sliver = shortest.filter(|(_, length)| *length < SLIVER * mean);
+        let sliver_at = sliver.map(|(ends, length)| {
+            let mut ends = ends.map(|v| self.named(v));
+            ends.sort_unstable();
+            let [a, b] = ends;
+            format!(
+                "the edge between vertices {a} and {b} is {length:.1e} m long, where edges have {mean:.1e} m on average: \
+                 what is stiff there takes small steps, and what is told of its stretch means little; make its ends one"
+            )
+        });
+        let all = [touching_at, turned_at, sliver_at];
+        all.into_iter().flatten().collect()
     }
 
     /// A sentence about a seam that is open by more than an edge where it has closed, if there is one.

@@ -306,3 +306,26 @@ fn turns_in_degrees_are_told() {
         );
     }
 }
+
+/// An edge of a ten-thousandth of the others is told with its ends; one of a hundredth is fine.
+#[test]
+fn slivers_are_told() {
+    for (short, is_told) in [(1e-4, true), (1e-2, false)] {
+        let mesh = written("sliver", "").with_extension("obj");
+        let text = format!(
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 {short} 0\nf 1 2 4\nf 2 5 4\nf 5 3 4\n"
+        );
+        std::fs::write(&mesh, text).unwrap();
+        let scene = format!(
+            "[[mesh]]\nfile = {:?}\n[[pins]]\nvertices = [0, 3]\n",
+            mesh.to_str().unwrap()
+        );
+        let (code, said) = told("with-sliver", &scene, &["implicit-euler"]);
+        assert_eq!(code, 0, "{said}");
+        assert_eq!(
+            said.contains("edge between vertices 1 and 4 is"),
+            is_told,
+            "{said}"
+        );
+    }
+}
