@@ -57,10 +57,13 @@ impl Scene {
                 self.named(vertex)
             )
         });
-        let turned_at = turned.first().map(|&edge| {
-            let mut ends = edges.ends()[edge as usize].map(|v| self.named(v));
+        let named = |ends: [u32; 2]| {
+            let mut ends = ends.map(|v| self.named(v));
             ends.sort_unstable();
-            let [a, b] = ends;
+            ends
+        };
+        let turned_at = turned.first().map(|&edge| {
+            let [a, b] = named(edges.ends()[edge as usize]);
             format!(
                 "triangles are wound against each other at {} of the edges, such as that from {a} to {b}: there the \
                  sides of the cloth change places",
@@ -74,9 +77,7 @@ impl Scene {
         let mean = mean_edge(mesh);
         let sliver = shortest.filter(|(_, length)| *length < SLIVER * mean);
         let sliver_at = sliver.map(|(ends, length)| {
-            let mut ends = ends.map(|v| self.named(v));
-            ends.sort_unstable();
-            let [a, b] = ends;
+            let [a, b] = named(ends);
             format!(
                 "the edge between vertices {a} and {b} is {length:.1e} m long, where edges have {mean:.1e} m on average: \
                  what is stiff there takes small steps, and what is told of its stretch means little; make its ends one"

@@ -135,7 +135,7 @@ impl Patches {
         let h = near.law.range();
         let once = once + DETECTION_MARGIN * h;
         let largest = (LARGEST_BOUND * self.edge).max(h) * self.share;
-        let bound = (MOTIONS * once).clamp(LEAST_BOUND * h, largest.max(LEAST_BOUND * h));
+        let bound = (MOTIONS * once).min(largest).max(LEAST_BOUND * h);
         bound.max(1.5 * once)
     }
 
