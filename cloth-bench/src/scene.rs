@@ -5,6 +5,7 @@ mod change;
 mod cloth;
 mod contact;
 pub mod file;
+mod held;
 mod inside;
 mod load;
 mod loose;
@@ -15,6 +16,7 @@ mod touching;
 pub use build::build;
 pub use change::{Change, ChangeKind};
 pub use contact::{BodySurface, ContactSetup};
+pub use held::HeldMotion;
 
 use crate::bounds::bounds;
 use crate::error::BenchError;
@@ -59,6 +61,8 @@ pub struct Scene {
     pub steps: u32,
     /// How held vertices move; those of which it does not know stay where they are.
     pub pins: Option<Arc<Pins>>,
+    /// Those of them that go with a body, and its number in the scene.
+    pub carried: Vec<(usize, usize)>,
     /// What happens to the cloth on the way, in the order of time.
     pub changes: Vec<Change>,
     /// What the cloth can touch; nothing unless the scene says so.
@@ -99,6 +103,7 @@ impl Scene {
             dt: 1.0 / 60.0,
             steps: 300,
             pins: None,
+            carried: Vec::new(),
             changes: Vec::new(),
             touch: None,
             gases: Vec::new(),

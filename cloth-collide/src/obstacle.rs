@@ -28,6 +28,7 @@
 //! | triangles alone, no φ | [`SurfaceOnly`] |
 //! | φ(x) = φ₀(x − a) | [`Shifted`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
+//! | x = Σ wᵢ xᵢ + F d of a point that goes along | [`Attachment`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
 //! | v = P/m + g Δt, ω = J⁻¹ L, P ← P + m g Δt + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
 //! | E = ½ k (h − φ)², a barrier below h/2 | [`PenaltyLaw`] |
@@ -45,6 +46,7 @@
 //!   Transactions on Visualization and Computer Graphics* 11(3), 2005. DOI 10.1109/TVCG.2005.49
 
 mod animated;
+mod attachment;
 mod capsule;
 mod closed_mesh;
 mod cuboid;
@@ -61,6 +63,7 @@ mod surface_only;
 mod sweep;
 
 pub use animated::AnimatedMesh;
+pub use attachment::Attachment;
 pub use capsule::Capsule;
 pub use closed_mesh::ClosedMesh;
 pub use cuboid::Cuboid;

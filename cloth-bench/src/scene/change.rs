@@ -2,6 +2,7 @@
 //! together, bodies driven and let go.
 
 use super::Scene;
+use super::held::HeldMotion;
 use crate::error::BenchError;
 use cloth_core::cloth::{ClothModel, Elements};
 use cloth_core::enclosure::{ClosedVolume, Pressure};
@@ -29,7 +30,7 @@ pub enum ChangeKind {
         /// Their numbers.
         vertices: Vec<usize>,
         /// How they move.
-        motion: PinMotion,
+        motion: HeldMotion,
     },
     /// Vertices are released, with the velocity that they have.
     Release {
@@ -100,16 +101,10 @@ impl Scene {
         let mut scene = self.clone();
         match &change.kind {
             ChangeKind::Hold { vertices, motion } => {
-                let mut pins = scene.pins.as_deref().cloned().unwrap_or_default();
+                scene.hold(vertices, *motion, state)?;
                 for &vertex in vertices {
-                    let (motion, start, since) = (*motion, state.positions[vertex], state.time);
-                    let path = move |time| motion.position(start, since, time);
-                    let particles = &mut scene.model.particles;
-                    let held = pins.add_path(particles, vertex, path);
-                    held.map_err(BenchError::failed)?;
                     state.velocities[vertex] = Vec3::zeros();
                 }
-                scene.pins = Some(Arc::new(pins));
             }
             ChangeKind::Release { vertices } => {
                 let mut pins = scene.pins.as_deref().cloned().unwrap_or_default();
@@ -118,6 +113,8 @@ impl Scene {
                     let released = pins.release(particles, vertex);
                     released.map_err(BenchError::failed)?;
                 }
+                let is_left = |(vertex, _): &(usize, usize)| !vertices.contains(vertex);
+                scene.carried.retain(is_left);
                 scene.pins = Some(Arc::new(pins)).filter(|pins| !pins.is_empty());
             }
             ChangeKind::Tie {
@@ -147,6 +144,8 @@ impl Scene {
             ChangeKind::Drive { body, velocities } => {
                 if let Some(touch) = &mut scene.touch {
                     touch.drive(*body, *velocities, state.time)?;
+                    let number = touch.body_numbers()[*body];
+                    scene.carry_on(number, state)?;
                 }
             }
             ChangeKind::LetGo { body } => {

@@ -5,6 +5,7 @@ mod animations;
 mod bending_laws;
 mod body_mass;
 mod broad_phase;
+mod carried;
 mod ccd;
 mod changes;
 mod cli;

@@ -80,13 +80,25 @@ impl AnimatedMesh {
 
     /// The same, of a `time` (s) that is a number, to one place per vertex.
     pub(crate) fn interpolate(&self, time: Real, out: &mut [Vec3]) {
-        let last = self.shapes.len() - 1;
-        let place = (time / self.interval).clamp(0.0, last as Real);
-        let first = (place as usize).min(last.saturating_sub(1));
-        let fraction = place - first as Real;
-        let (a, b) = (&self.shapes[first], &self.shapes[(first + 1).min(last)]);
+        let (first, second, fraction) = self.between(time);
+        let (a, b) = (&self.shapes[first], &self.shapes[second]);
         for ((x, a), b) in out.iter_mut().zip(a).zip(b) {
             *x = a + (b - a) * fraction;
         }
+    }
+
+    /// Where one vertex is (m) at a `time` (s) that is a number.
+    pub(super) fn vertex(&self, vertex: usize, time: Real) -> Vec3 {
+        let (first, second, fraction) = self.between(time);
+        let (a, b) = (self.shapes[first][vertex], self.shapes[second][vertex]);
+        a + (b - a) * fraction
+    }
+
+    /// The two shapes around a time (s), and what part of the way to the second it is.
+    fn between(&self, time: Real) -> (usize, usize, Real) {
+        let last = self.shapes.len() - 1;
+        let place = (time / self.interval).clamp(0.0, last as Real);
+        let first = (place as usize).min(last.saturating_sub(1));
+        (first, (first + 1).min(last), place - first as Real)
     }
 }

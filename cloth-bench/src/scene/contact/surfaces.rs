@@ -30,7 +30,34 @@ impl BodySurface<'_> {
     }
 }
 
+/// Position (m) of a point as a function of time (s).
+type Path = Box<dyn Fn(Real) -> Vec3 + Send + Sync>;
+
 impl ContactSetup {
+    /// The way of a point that the body of this number in the scene takes along from `start` (m) at a time (s).
+    pub(in crate::scene) fn path(
+        &self,
+        body: usize,
+        start: Vec3,
+        since: Real,
+    ) -> Result<Path, BenchError> {
+        if let Some(rigid) = self.rigid_body(body) {
+            let motion = *self.obstacles[rigid].motion();
+            let local = motion.pose_at(since).to_local(start);
+            return Ok(Box::new(move |time| motion.pose_at(time).to_world(local)));
+        }
+        let mut animated = self.numbers[self.obstacles.len()..]
+            .iter()
+            .zip(&self.animated);
+        let found = animated.find(|(number, _)| **number == body);
+        let Some((_, (surface, animation, _))) = found else {
+            return Err(BenchError::Failed(format!("there is no obstacle {body}")));
+        };
+        let fixed = animation.attach(surface.triangles(), start, since);
+        let fixed = fixed.map_err(BenchError::failed)?;
+        Ok(Box::new(move |time| fixed.position(time)))
+    }
+
     /// Surfaces of all bodies at a time (s), in the order of the scene.
     #[must_use]
     pub fn body_surfaces(&self, time: Real) -> Vec<BodySurface<'_>> {

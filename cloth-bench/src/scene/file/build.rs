@@ -11,9 +11,10 @@ use super::{
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{ContactSetup, Surface};
-use crate::scene::{Scene, build as built_in};
+use crate::scene::{HeldMotion, Scene, build as built_in};
 use crate::settings::{Settings, Table};
 use cloth_core::math::Vec3;
+use cloth_core::mesh::TriMesh;
 use cloth_core::method::ordering::Order;
 use cloth_core::pin::Pins;
 use std::path::Path;
@@ -322,8 +323,12 @@ impl<'a> Sections<'a> {
         let positions = start::positions(&self.start, folder, &mesh, order.as_ref())?;
         let timed = holds.iter().filter(|hold| hold.is_timed());
         let timed: Vec<usize> = timed.flat_map(|hold| hold.vertices.clone()).collect();
+        let mut touch = self.touch(&contact, &mesh, folder, gravity)?;
+        let mut carried = Vec::new();
         for (section, hold) in self.pins.iter().zip(holds) {
-            hold.apply(section, &positions, &mut model, &mut ways, &mut changes)?;
+            hold.check(section, &touch)?;
+            let (model, ways) = (&mut model, &mut ways);
+            carried.extend(hold.apply(section, &positions, model, ways, &mut changes)?);
         }
         let known = (&model.particles, &timed[..]);
         changes.extend(event::changes(&self.events, grasped, known, name)?);
@@ -331,14 +336,6 @@ impl<'a> Sections<'a> {
             let push = force::push(section, vertices, &model.particles, &changes)?;
             changes.push(push);
         }
-        let [low, high] = bounds(mesh.positions().iter().copied());
-        let size = (high - low).norm();
-        let thickness = Surface::read(&contact)?.thickness_of(&mesh);
-        let bodies = self.obstacles.iter();
-        let bodies: Vec<_> = bodies
-            .map(|section| obstacles::body(section, folder, [size, thickness], gravity))
-            .collect::<Result<_, _>>()?;
-        let mut touch = ContactSetup::new(&contact, &mesh, bodies)?;
         for obstacle in self.obstacles.iter().filter(|_| touch.is_idle()) {
             let own = obstacle.read::<Obstacle>()?;
             own.density.refuse_given("with contact=none")?;
@@ -366,11 +363,33 @@ impl<'a> Sections<'a> {
         };
         scene.start.positions = positions;
         start::apply(&self.start, &mut scene)?;
+        for (vertices, body) in carried {
+            let start = scene.start.clone();
+            scene.hold(&vertices, HeldMotion::With(body), &start)?;
+        }
         let order = scene.order.clone();
         for (section, ends) in self.seams.iter().zip(seams) {
             seam::apply(section, ends, &material, order.as_ref(), &mut scene)?;
         }
         scene.changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(scene)
+    }
+
+    /// What the cloth can touch.
+    fn touch(
+        &self,
+        contact: &Settings,
+        mesh: &TriMesh,
+        folder: &Path,
+        gravity: Vec3,
+    ) -> Result<ContactSetup, BenchError> {
+        let [low, high] = bounds(mesh.positions().iter().copied());
+        let size = (high - low).norm();
+        let thickness = Surface::read(contact)?.thickness_of(mesh);
+        let bodies = self.obstacles.iter();
+        let bodies: Vec<_> = bodies
+            .map(|section| obstacles::body(section, folder, [size, thickness], gravity))
+            .collect::<Result<_, _>>()?;
+        ContactSetup::new(contact, mesh, bodies)
     }
 }

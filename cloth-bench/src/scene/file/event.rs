@@ -6,7 +6,7 @@ use super::pins;
 use super::selection::Pieces;
 use crate::error::BenchError;
 use crate::names;
-use crate::scene::{Change, ChangeKind, ContactSetup};
+use crate::scene::{Change, ChangeKind, ContactSetup, HeldMotion};
 use cloth_core::math::Real;
 use cloth_core::particles::Particles;
 use cloth_core::pin::PinMotion;
@@ -94,7 +94,7 @@ pub(super) fn changes(
             if deed == Deed::Drag && motion.is_none() {
                 return Err(section.refuse_table("a drag needs a move or a turn"));
             }
-            let motion = motion.unwrap_or(PinMotion::NONE);
+            let motion = HeldMotion::Own(motion.unwrap_or(PinMotion::NONE));
             ChangeKind::Hold { vertices, motion }
         };
         changes.push(Change { time, kind });

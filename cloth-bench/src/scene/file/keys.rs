@@ -108,6 +108,9 @@ crate::settings! {
             "time at which the vertices are grabbed, wherever they are then; move and turn begin with it";
         until: Option<Real> = "none" "s" in AtLeast(0.0),
             "time at which they are released with the velocity they have, after from; none: never";
+        obstacle: Option<u32> = "none",
+            "number of the [[obstacle]] table, from 0, of a body that takes them along from where they are, as if they \
+             were fixed to its nearest triangle; in the place of move and turn, and without a spring";
     }
     /// Of a `[[mass]]`.
     pub(super) struct Mass {

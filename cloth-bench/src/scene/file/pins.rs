@@ -1,9 +1,11 @@
 //! `[[pins]]`: held vertices and their ways.
 
 use super::document::Section;
+use super::event;
 use super::keys::{self, Way};
 use crate::error::BenchError;
-use crate::scene::{Change, ChangeKind};
+use crate::names;
+use crate::scene::{Change, ChangeKind, ContactSetup, HeldMotion};
 use cloth_core::cloth::{ClothModel, Elements};
 use cloth_core::energy::SoftPin;
 use cloth_core::math::{Real, Vec3};
@@ -12,7 +14,7 @@ use cloth_core::pin::{PinMotion, Pins};
 /// Vertices that are held for some time.
 pub(super) struct Hold {
     pub(super) vertices: Vec<usize>,
-    motion: Option<PinMotion>,
+    motion: Option<HeldMotion>,
     /// Of the spring of each (N/m); infinite if it is held.
     stiffness: Real,
     from: Real,
@@ -46,9 +48,18 @@ pub(super) fn hold(section: &Section<'_>, vertices: Vec<usize>) -> Result<Hold, 
         let message = format!("until has to be later than from, which is {from} s");
         return Err(own.until.refuse(message));
     }
+    let motion = match *own.obstacle {
+        None => motion(section)?.map(HeldMotion::Own),
+        Some(number) => {
+            event::refuse_motion(section, "with an obstacle: it says how they move")?;
+            own.stiffness
+                .refuse_given("with an obstacle, which takes along what is held")?;
+            Some(HeldMotion::With(number as usize))
+        }
+    };
     Ok(Hold {
         vertices,
-        motion: motion(section)?,
+        motion,
         stiffness: own.stiffness.number(),
         from,
         until,
@@ -88,7 +99,30 @@ impl Hold {
         self.from > 0.0 || self.until.is_some() || self.stiffness.is_finite()
     }
 
-    /// Holds the vertices from the start on, or later; and releases them, if they are not held for ever.
+    /// Refuses a body that is not there, or that moves as it is pushed.
+    pub(super) fn check(
+        &self,
+        section: &Section<'_>,
+        touch: &ContactSetup,
+    ) -> Result<(), BenchError> {
+        let Some(HeldMotion::With(number)) = self.motion else {
+            return Ok(());
+        };
+        let own = section.read::<keys::Hold>()?.obstacle;
+        let count = touch.body_numbers().len();
+        if number >= count {
+            return Err(own.refuse(names::beyond("obstacle", number as u32, count)));
+        }
+        match touch.rigid_body(number).filter(|&body| touch.is_free(body)) {
+            Some(_) => Err(own.refuse(format!(
+                "obstacle {number} has a mass, and moves as it is pushed: it cannot take vertices along"
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// Holds the vertices from the start on, or later; and releases them, if they are not held for ever. Those that
+    /// go with a body from the start on are told, with its number.
     pub(super) fn apply(
         self,
         section: &Section<'_>,
@@ -96,7 +130,7 @@ impl Hold {
         model: &mut ClothModel,
         pins: &mut Pins,
         changes: &mut Vec<Change>,
-    ) -> Result<(), BenchError> {
+    ) -> Result<Option<(Vec<usize>, usize)>, BenchError> {
         let Self {
             vertices,
             motion: given,
@@ -104,7 +138,10 @@ impl Hold {
             from,
             until,
         } = self;
-        let motion = given.unwrap_or(PinMotion::NONE);
+        let own = match given {
+            Some(HeldMotion::Own(motion)) => motion,
+            _ => PinMotion::NONE,
+        };
         let is_soft = stiffness.is_finite();
         if let Some(time) = until {
             let vertices = vertices.clone();
@@ -119,26 +156,32 @@ impl Hold {
                 true => ChangeKind::Tie {
                     vertices,
                     stiffness,
-                    motion,
+                    motion: own,
                 },
-                false => ChangeKind::Hold { vertices, motion },
+                false => ChangeKind::Hold {
+                    vertices,
+                    motion: given.unwrap_or(HeldMotion::Own(own)),
+                },
             };
             changes.push(Change { time: from, kind });
         } else if is_soft {
-            let tie = |&v: &usize| SoftPin::new(v as u32, stiffness, positions[v], motion, 0.0);
+            let tie = |&v: &usize| SoftPin::new(v as u32, stiffness, positions[v], own, 0.0);
             let ties = vertices.iter().map(tie).collect();
             model.fasten([Elements::SoftPins(ties)]);
         } else {
-            for vertex in vertices {
+            for &vertex in &vertices {
                 let (particles, start) = (&mut model.particles, positions[vertex]);
-                let path = move |time| motion.position(start, 0.0, time);
+                let path = move |time| own.position(start, 0.0, time);
                 let held = match given {
-                    Some(_) => pins.add_path(particles, vertex, path),
-                    None => particles.prescribe(vertex),
+                    Some(HeldMotion::Own(_)) => pins.add_path(particles, vertex, path),
+                    _ => particles.prescribe(vertex),
                 };
                 held.map_err(|error| section.refuse_table(error))?;
             }
+            if let Some(HeldMotion::With(body)) = given {
+                return Ok(Some((vertices, body)));
+            }
         }
-        Ok(())
+        Ok(None)
     }
 }
