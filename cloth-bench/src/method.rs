@@ -209,12 +209,14 @@ impl Method {
 
     /// A sentence about a stretch at the end of a run of which sweeps may have left a part.
     pub(crate) fn stretch_warning(&self, summary: &Summary) -> Option<String> {
-        let (strain, sweeps) = (summary.max_stretch, summary.iterations_per_step);
+        let (strain, sweeps) = (summary.max_stretch_of_all, summary.iterations_per_step);
         (matches!(self.kind, Kind::Xpbd) && strain > SWEPT_STRAIN).then(|| {
             format!(
-                "an edge is {:.0} % longer at the end than at rest: where loads and pins do not stretch it so, {sweeps} \
-                 sweeps a step leave some of that; see what `--set substeps={}` makes of it",
+                "an edge was {:.0} % longer than at rest after one of the steps, at the end {:.0} %: where loads and pins \
+                 do not stretch it so, {sweeps} sweeps a step leave some of that, and the motion is another one; see \
+                 what `--set substeps={}` makes of it",
                 100.0 * strain,
+                100.0 * summary.max_stretch,
                 4 * sweeps.max(1)
             )
         })

@@ -174,6 +174,14 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
         let _ = (x, out);
     }
 
+    /// Takes notice of a direction (m) from `x` (m), where the terms were taken last, that nearly solves a system with
+    /// them: of which forces contacts have in that solution. The terms that are taken next may be as stiff as a
+    /// primal–dual method has them, with these forces as multipliers (Nocedal and Wright 2006, section 19.3). Most
+    /// sources have no use for it.
+    fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
+        let _ = (x, direction);
+    }
+
     /// Whether there are bodies that the forces at the end of a step push: a step that ends too early sends them
     /// elsewhere.
     fn has_free_bodies(&self) -> bool {

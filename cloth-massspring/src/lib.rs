@@ -326,10 +326,10 @@
 //! `cloth-bench/tests/contract/potential.rs`). The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this:
 //! - λ is computed once a step. Near pairs are searched for along each direction: the list holds all vertices, edges
 //!   and triangles within h anywhere on the path; the rest adds nothing, so a new list changes no value of G.
-//! - The Hessian of contact is recomputed with that of the elements, as `a ψ″ ∂d ∂dᵀ`. The rest, `a ψ′ ∂²d`, may have
-//!   negative eigenvalues as ψ′ < 0, and is left out. So a contact between several vertices is a term of rank one in
-//!   the matrix of the multigrid cycle, which comes and goes without a new pattern; what couples all vertices of a
-//!   component ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)) is one around the whole cycle.
+//! - The Hessian of contact is recomputed with that of the elements, as `a ψ″ ∂d ∂dᵀ`; what is pressed has λ/d for a ψ″
+//!   (primal–dual: `multipliers.rs` of `cloth-collide`). The rest, `a ψ′ ∂²d`, may have negative eigenvalues, and is
+//!   left out. So a contact is a term of rank one in the matrix of the multigrid cycle, which comes and goes without a
+//!   new pattern; around the whole cycle if it is ten times as stiff as the cloth, or couples all vertices of a part.
 //! - Where contact cuts steps short, directions come from conjugate gradients around the cycle
 //!   ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)), and where hardly any of a direction is
 //!   free, each vertex follows it as far as it alone can (`implicit/minimizer.rs`).

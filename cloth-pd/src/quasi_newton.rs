@@ -149,6 +149,9 @@ impl QuasiNewton {
         if self.uses_newton_direction() {
             done.solves = 1;
             done.linear_iterations = self.find_newton_direction(objective, point, contact);
+            if let Some(contact) = contact {
+                contact.update_multipliers(&point.positions, &self.direction);
+            }
         } else {
             done.solves = self.find_direction(global, coarse, point);
         }

@@ -170,6 +170,10 @@ impl ContactPotential for Timed {
         self.ask(|p| p.linearize_globally(x, out));
     }
 
+    fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
+        self.change(|p| p.update_multipliers(x, direction));
+    }
+
     fn has_free_bodies(&self) -> bool {
         self.ask(|p| p.has_free_bodies())
     }

@@ -61,3 +61,28 @@ fn poles_carry_a_stretched_sheet_alike() {
         "{last:?}"
     );
 }
+
+/// A sheet that is pulled down over the round end of a pole, half as long again there, and then aside. Two methods with
+/// nothing in common but the potential come to the same energy: 2.09929 J, and so does either with a thousandth of the
+/// tolerance. With A ψ″ alone for the stiffness of what is pressed implicit Euler took 2910 iterations and ended at
+/// 2.143 J, projective dynamics 2431 and at 3.81 J.
+#[test]
+fn taut_cloth_slides_over_a_pole() {
+    let text = "[[mesh]]\ngenerator = \"grid:31x31:alternating\"\nscale = 0.6\ntranslate = [-0.3, -0.3, 0]\n\
+        [cloth]\nstiffness = 3000\n[contact]\nfriction = 0.2\n\
+        [[pins]]\nselect = \"border\"\nmove = [0, 0, -0.12]\nduration = 0.6\nuntil = 0.6\n\
+        [[pins]]\nselect = \"border\"\nfrom = 0.6\nmove = [0.15, 0.05, 0]\nduration = 0.8\n\
+        [[obstacle]]\nshape = \"capsule\"\nradius = 0.01\nlength = 0.5\nposition = [0, 0, -0.265]\n";
+    let scene = scene("taut-over-pole", text);
+    let ends = ["implicit-euler", "pd"].map(|method| {
+        let summary = watch(&scene, method, &[], 50, |_| {});
+        let (iterations, unfinished) = (summary.iterations, summary.unfinished_steps);
+        let energy = summary.elastic_energy;
+        println!("{method}: {energy} J, {iterations} iterations, {unfinished} unfinished");
+        assert_eq!(unfinished, 0, "{method}");
+        assert!(iterations < 1500, "{method}: {iterations}");
+        energy
+    });
+    let difference = (ends[0] / ends[1] - 1.0).abs();
+    assert!(difference < 2e-5, "{ends:?}");
+}

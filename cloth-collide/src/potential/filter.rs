@@ -27,6 +27,13 @@ use cloth_core::math::{Real, Vec3};
 const KEPT: Real = 0.2;
 /// The continuous test may end when this fraction of what is above that is left.
 const EARLY: Real = 0.1;
+/// Distance (in ranges) below which a pair also keeps this fraction of what the linearised motion leaves it. What slides
+/// along a bend comes nearer by the square of its way, and would be pressed far beyond its force before it has gone it.
+const DEEP: Real = 0.25;
+const CENTRAL: Real = 0.6;
+/// What a fraction is shortened to that leaves less, and how often.
+const SHORTER: Real = 0.7;
+const MOST_SHORTENINGS: u32 = 12;
 /// Distances below this fraction of the coordinates cannot be relied on: positions on the path are rounded.
 const ROUNDING: Real = 64.0 * Real::EPSILON;
 /// Rounds in which paths are shortened one by one, each because of a neighbour's in the round before. After that all
@@ -165,17 +172,40 @@ fn safe_fraction_of_pair(chosen: &ChosenPair, from: &[Vec3], to: &[Vec3]) -> Rea
     if chosen.stays_apart(&path, KEPT * near.law.range()) {
         return 1.0;
     }
-    let distance = Gap::new(path.kind, &path.from).distance;
-    let keep = KEPT * distance.min(near.law.range());
-    if approach(&path) < distance - keep {
-        return 1.0;
+    let gap = Gap::new(path.kind, &path.from);
+    let (distance, range) = (gap.distance, near.law.range());
+    let keep = KEPT * distance.min(range);
+    let safe = if approach(&path) < distance - keep {
+        1.0
+    } else {
+        let places = path.from.iter().chain(&path.to);
+        let size = places.map(Vec3::amax).fold(0.0, Real::max);
+        if keep <= ROUNDING * size {
+            return 0.0;
+        }
+        path.time_near(keep, EARLY).unwrap_or(1.0)
+    };
+    match distance < DEEP * range {
+        true => central_fraction(&path, &gap, safe),
+        false => safe,
     }
-    let places = path.from.iter().chain(&path.to);
-    let size = places.map(Vec3::amax).fold(0.0, Real::max);
-    if keep <= ROUNDING * size {
-        return 0.0;
+}
+
+/// The `fraction` of a path, or what is left of it, after which the distance is at least [`CENTRAL`] of what the
+/// linearised motion leaves.
+fn central_fraction(path: &Query, gap: &Gap, mut fraction: Real) -> Real {
+    let [from, to] = [&path.from, &path.to];
+    let closing = |k: usize| gap.normal.dot(&(from[k] - to[k])) * gap.weights[k];
+    let closing = (0..4).map(closing).sum::<Real>().clamp(0.0, gap.distance);
+    for _ in 0..MOST_SHORTENINGS {
+        let there = std::array::from_fn(|k| from[k] + (to[k] - from[k]) * fraction);
+        let left = gap.distance - fraction * closing;
+        if Gap::new(path.kind, &there).distance >= CENTRAL * left {
+            break;
+        }
+        fraction *= SHORTER;
     }
-    path.time_near(keep, EARLY).unwrap_or(1.0)
+    fraction
 }
 
 /// The most by which two primitives can have come nearer (m) on their path.

@@ -7,6 +7,7 @@ use super::forces::Ledger;
 use super::free::FreeBodies;
 use super::friction::{ALONE, FrictionContact, Key, TangentialDisplacements};
 use super::last_resort::LastResort;
+use super::multipliers::Multipliers;
 use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::obstacle_contact::ObstacleContact;
@@ -37,6 +38,7 @@ pub(super) struct Contacts {
     pub(super) constraints: Constraints,
     pub(super) near: Near,
     pub(super) pairs: NearPairs,
+    multipliers: Multipliers,
     /// Where the last step has ended (m), free of crossings.
     pub(super) safe: Vec<Vec3>,
     pub(super) friction: Vec<FrictionContact>,
@@ -77,6 +79,7 @@ impl Contacts {
             scratch: vec![Vec3::zeros(); near.vertex_area.len()],
             near,
             pairs: NearPairs::default(),
+            multipliers: Multipliers::default(),
             safe: Vec::new(),
             friction: Vec::new(),
             tangential: TangentialDisplacements::default(),
@@ -151,6 +154,7 @@ impl ContactPotential for Contacts {
         let still = self.bodies.iter().map(|(body, _)| body.stopped());
         self.still.extend(still);
         self.pairs.begin(step.from, &self.near.is_resting, goes_on);
+        self.multipliers.clear();
         self.prepare(step.from, &wanted, false)?;
         self.freeze_friction(step);
         if is_still {
@@ -235,9 +239,9 @@ impl ContactPotential for Contacts {
         for near in self.pairs.iter_at(x) {
             let places = gather(x, near.pair.vertices);
             let gap = Gap::new(near.pair.kind, &places);
-            let curvature = near.law.curvature(gap.distance);
-            if curvature > 0.0 {
-                let stiffness = near.area_at(&places) * curvature;
+            if gap.distance < near.law.range() {
+                let area = near.area_at(&places);
+                let stiffness = self.multipliers.stiffness(near, &gap, area);
                 push(near.pair.vertices, gap.weights, gap.normal, stiffness);
             }
         }
@@ -249,6 +253,10 @@ impl ContactPotential for Contacts {
         let reach = self.reach();
         let contacts = self.friction.iter();
         out.extend(contacts.flat_map(|contact| contact.rows(reach, x)));
+    }
+
+    fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
+        self.multipliers.update(&self.pairs, x, direction);
     }
 
     fn has_free_bodies(&self) -> bool {

@@ -75,6 +75,10 @@ impl<T: ContactPotential + ?Sized> ContactPotential for &mut T {
         (**self).linearize_globally(x, out);
     }
 
+    fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
+        (**self).update_multipliers(x, direction);
+    }
+
     fn has_free_bodies(&self) -> bool {
         (**self).has_free_bodies()
     }

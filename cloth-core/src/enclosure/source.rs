@@ -197,6 +197,10 @@ impl<C: ContactPotential> ContactPotential for Enclosed<C> {
             .for_each(|volume| volume.linearize(x, out));
     }
 
+    fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
+        self.contacts.update_multipliers(x, direction);
+    }
+
     fn has_free_bodies(&self) -> bool {
         self.contacts.has_free_bodies()
     }

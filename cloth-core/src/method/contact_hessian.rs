@@ -3,7 +3,9 @@
 //!
 //! Contacts come and go, and a pair of them couples vertices that the pattern of the matrix does not. So what holds a
 //! single vertex is added to its diagonal block, pairs are kept beside the matrix as terms `k J Jᵀ`, and what couples
-//! many vertices (a volume) as terms of rank one that an inverse takes by the formula of Sherman and Morrison.
+//! many vertices (a volume) as terms of rank one that an inverse takes by the formula of Sherman and Morrison. So are
+//! pairs that are much stiffer than the cloth, as long as they are few: relaxation, which moves one vertex at a time,
+//! hardly moves several that are nearly rigid together.
 //!
 //! One cycle is a good direction where nothing touches. In contact it is not: the residual that it leaves is largest
 //! where cloth and contact share the load, and there a small error of the direction runs far into what is near, so that
@@ -23,6 +25,10 @@ use std::sync::Arc;
 /// Largest stiffness of a contact, over the largest diagonal block of the cloth: beyond, a cycle in single precision
 /// would not stay positive definite.
 const MAX_CONTACT_STIFFNESS_RATIO: Real = 1e4;
+/// Stiffness of a contact between vertices, over the same, from which on relaxation, which moves a vertex at a time,
+/// does not follow it; and how many of these are taken by the formula for terms of rank one, a cycle each.
+const STIFF: Real = 10.0;
+const MOST_STIFF: usize = 40;
 
 /// The matrix, and what is kept beside it.
 #[derive(Debug)]
@@ -33,6 +39,8 @@ pub struct ContactHessian {
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
     for_cycle: Vec<ContactRow>,
+    /// Those of the pairs that are too stiff for a cycle.
+    stiff: Vec<ContactRow>,
     global: GlobalTerms,
     multigrid: Option<Multigrid>,
     gradients: TruncatedConjugateGradients,
@@ -48,6 +56,7 @@ impl ContactHessian {
             rows: Vec::new(),
             pairs: Vec::new(),
             for_cycle: Vec::new(),
+            stiff: Vec::new(),
             global: GlobalTerms::default(),
             multigrid: None,
             gradients: TruncatedConjugateGradients::default(),
@@ -81,7 +90,7 @@ impl ContactHessian {
     /// Whether a term couples many vertices.
     #[must_use]
     pub fn has_global_terms(&self) -> bool {
-        !self.global.is_empty()
+        self.global.has_volumes()
     }
 
     /// Takes the contacts at x (m) to the matrix as it was assembled, and updates the cycle; `rest` (m) is where
@@ -90,8 +99,17 @@ impl ContactHessian {
     /// ([`Multigrid::refresh`]).
     pub fn refresh(&mut self, contact: Option<&dyn ContactPotential>, x: &[Vec3], rest: &[Vec3]) {
         if let Some(contact) = contact {
-            let stiffest = MAX_CONTACT_STIFFNESS_RATIO * self.largest_diagonal();
+            let largest = self.largest_diagonal();
+            let stiffest = MAX_CONTACT_STIFFNESS_RATIO * largest;
             self.add_contacts(contact, x);
+            self.stiff.clear();
+            let is_stiff = |row: &ContactRow| row.stiffness > STIFF * largest;
+            let count = self.pairs.iter().filter(|row| is_stiff(row)).count();
+            if count <= MOST_STIFF {
+                self.stiff
+                    .extend(self.pairs.iter().filter(|row| is_stiff(row)));
+                self.pairs.retain(|row| !is_stiff(row));
+            }
             self.for_cycle.clone_from(&self.pairs);
             for row in &mut self.for_cycle {
                 row.stiffness = row.stiffness.min(stiffest);
@@ -103,7 +121,8 @@ impl ContactHessian {
         let _ = multigrid.refresh_with(&self.matrix, &self.for_cycle);
         if let Some(contact) = contact {
             let prior = |r: &[Vec3], z: &mut [Vec3]| multigrid.apply(r, z);
-            self.global.refresh(contact, x, &self.is_free, prior);
+            let stiff = &self.stiff[..];
+            self.global.refresh(contact, stiff, x, &self.is_free, prior);
         }
     }
 

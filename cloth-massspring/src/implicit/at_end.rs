@@ -176,6 +176,15 @@ impl ContactPotential for AtEnd<'_> {
         own.iter_mut().for_each(|row| row.stiffness *= 4.0);
     }
 
+    fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
+        let [mut ends, mut twice] = std::mem::take(&mut self.memory.ends);
+        twice.clear();
+        twice.extend(direction.iter().map(|p| p * 2.0));
+        self.contact
+            .update_multipliers(self.ends(x, &mut ends), &twice);
+        self.memory.ends = [ends, twice];
+    }
+
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
         let mut ends = std::mem::take(&mut self.memory.ends[0]);
         self.contact.end(self.ends(x, &mut ends), v);

@@ -322,6 +322,9 @@ impl Minimizer {
             let (g, direction) = (&self.current.gradient, &mut self.direction);
             let (slope, left, solves) = method.direction(g, direction);
             report.linear_iterations += solves;
+            if let Some(source) = contact.as_deref_mut().filter(|_| method.is_fresh()) {
+                source.update_multipliers(&self.current.positions, direction);
+            }
             // A pair that is nearly closed has most of the gradient, and a solve to a tenth may leave all other forces.
             let decrement = (left - slope).max(0.0).sqrt();
             if slope >= 0.0 || slope.is_nan() {

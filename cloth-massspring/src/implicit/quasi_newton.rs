@@ -101,6 +101,11 @@ impl QuasiNewton {
         self.hessian.has_contacts()
     }
 
+    /// Whether the last direction was by a matrix of where it begins.
+    pub(super) fn is_fresh(&self) -> bool {
+        self.age == 1
+    }
+
     /// The matrix (N/m) that was taken last.
     pub(super) fn matrix(&self) -> &BlockMatrix {
         self.hessian.matrix()

@@ -109,8 +109,9 @@ crate::settings! {
         until: Option<Real> = "none" "s" in AtLeast(0.0),
             "time at which they are released with the velocity they have, after from; none: never";
         obstacle: Option<u32> = "none",
-            "number of the [[obstacle]] table, from 0, of a body that takes them along from where they are, as if they \
-             were fixed to its nearest triangle; in the place of move and turn, and without a spring";
+            "number of the [[obstacle]] table, from 0, of a body that takes them along from where they are, and has no \
+             mass: as part of it if it is rigid, or fixed to the nearest triangle of an animation; in the place of move \
+             and turn, and without a spring";
     }
     /// Of a `[[mass]]`.
     pub(super) struct Mass {
@@ -236,7 +237,8 @@ crate::settings! {
              held ones are held there";
         velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "of every vertex that is not held";
         wave: Option<Vec3> = "[0, 0, 0]" "m",
-            "amplitude of a shift a sin(2π k·x), so that a flat sheet knows where to buckle";
+            "amplitude of a shift a sin(2π k·x), so that a flat sheet knows where to buckle; it stretches the sheet by \
+             up to √(1 + (2π k a)²) − 1, and should hardly do so";
         wave_number: Option<Vec3> = "[0, 0, 0]" "1/m", "k of the wave";
     }
     /// Of `[air]`.

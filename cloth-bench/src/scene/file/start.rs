@@ -4,7 +4,8 @@ use super::document::Section;
 use super::keys::Start;
 use crate::error::BenchError;
 use crate::scene::Scene;
-use cloth_core::math::Vec3;
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::{TriMesh, io};
 use cloth_core::method::ordering::Order;
 use std::f64::consts::TAU;
@@ -48,8 +49,31 @@ pub(super) fn apply(section: &Section<'_>, scene: &mut Scene) -> Result<(), Benc
             for x in &mut scene.start.positions {
                 *x += wave * number.dot(x).sin();
             }
+            scene.hints.extend(stretched(scene)?);
         }
         _ => return Err(section.refuse_table("wave and wave_number go together")),
     }
     Ok(())
+}
+
+/// Of a wave that stretches the cloth: it gives that back as motion.
+fn stretched(scene: &Scene) -> Result<Option<String>, BenchError> {
+    /// A strain from which on the energy is more than that of most folds.
+    const MUCH: Real = 0.01;
+    let gauges = scene.gauges()?;
+    let strain = |spring: &Spring| {
+        let [a, b] = gather(&scene.start.positions, spring.vertices);
+        (a - b).norm() / spring.rest_length - 1.0
+    };
+    let gauges = gauges.iter().filter(|spring| spring.rest_length > 0.0);
+    let most = gauges.map(strain).fold(0.0, Real::max);
+    let energy = scene.elastic().map_err(BenchError::failed)?;
+    let energy = energy.value(&scene.start.positions);
+    Ok((most > MUCH).then(|| {
+        format!(
+            "the wave of the start stretches edges by up to {:.1} %: the cloth begins with {energy:.3e} J, which it gives \
+             back as motion; a lower or longer wave does not",
+            100.0 * most
+        )
+    }))
 }

@@ -1,16 +1,18 @@
-//! Rank-one terms of the Hessian that couple many vertices, such as the volume of a closed component, added to an
-//! inverse of the rest.
+//! Rank-one terms of the Hessian that a cycle cannot take, added to an inverse of the rest: those that couple many
+//! vertices, such as the volume of a closed component, and contacts that are much stiffer than the cloth.
 //!
 //! With an inverse P of the rest, `(P⁻¹ + k g gᵀ)⁻¹ r = P r − z (g·P r)/(1/k + g·z)`, where `z = P g` (Sherman,
 //! Morrison 1950, <https://doi.org/10.1214/aoms/1177729893>). Of several terms each takes those before it for the rest.
 
-use crate::contact::{ContactPotential, GlobalRows};
+use crate::contact::{ContactPotential, ContactRow, GlobalRows};
 use crate::math::{Real, Vec3};
 
 /// The terms, with `z` of each.
 #[derive(Debug, Default)]
 pub(super) struct GlobalTerms {
     rows: GlobalRows,
+    /// How many of them couple many vertices: the first ones.
+    volumes: usize,
     /// `z = P g` of each (m per unit of g), and `1/(1/k + g·z)`.
     solved: Vec<Vec<Vec3>>,
     weights: Vec<Real>,
@@ -22,19 +24,27 @@ impl GlobalTerms {
     /// Removes all terms.
     pub(super) fn clear(&mut self) {
         self.rows.clear();
+        self.volumes = 0;
         self.weights.clear();
     }
 
-    /// Takes the terms at `x` (m) around `inverse`, which writes `P r` to its second list.
+    /// Takes the terms at `x` (m), with stiff contacts, around `inverse`, which writes `P r` to its second list.
     pub(super) fn refresh(
         &mut self,
         contact: &dyn ContactPotential,
+        stiff: &[ContactRow],
         x: &[Vec3],
         is_free: &[bool],
         mut inverse: impl FnMut(&[Vec3], &mut [Vec3]),
     ) {
         self.clear();
         contact.linearize_globally(x, &mut self.rows);
+        self.volumes = self.rows.rows().len();
+        for row in stiff {
+            let term = self.rows.push(row.stiffness);
+            term.vertices.extend(row.vertices);
+            term.gradient.extend(row.weights.map(|w| row.normal * w));
+        }
         self.rows.remove_fixed(|vertex| !is_free[vertex]);
         for number in 0..self.rows.rows().len() {
             self.dense.clear();
@@ -55,8 +65,9 @@ impl GlobalTerms {
         }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.rows.rows().is_empty()
+    /// Whether a term couples many vertices.
+    pub(super) fn has_volumes(&self) -> bool {
+        self.volumes > 0
     }
 
     /// Adds the terms times `p` to `out`.
