@@ -407,9 +407,9 @@
 //! - **No convergence is no error.** A step has [`Converged`](cloth_core::step::Outcome::Converged) where, as its
 //!   Newton decrement estimates, the change of velocity is right to [`ImplicitConfig::tolerance`]. Else it reports
 //!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome) and the residual that is left, and the state has advanced:
-//!   after [`ImplicitConfig::max_iterations`]; where it finds nothing lower in contact; where the cloth has been
-//!   linearised eight times; and where Newton's method has taken over and its matrix does not fit into the memory, or
-//!   an iterative solver finds it indefinite (if it was asked for from the start, these two are errors).
+//!   after [`ImplicitConfig::max_iterations`]; where in contact G falls no more, or hardly in 100 iterations; where the
+//!   cloth has been linearised eight times; and where Newton's method has taken over and its matrix does not fit into
+//!   the memory, or an iterative solver finds it indefinite (if asked for from the start, these two are errors).
 //! - **No method adapts Δt.** After an error the state is as before the step: halve Δt or, with symplectic Euler, take
 //!   as many substeps as the `stable_dt` of [`StepError::Unstable`] asks for, and step again. To repeat a step that was
 //!   `BudgetSpent`, keep a copy of the state; what moves by itself, such as a body that the cloth pushes, has moved on.

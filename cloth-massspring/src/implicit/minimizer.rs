@@ -346,6 +346,10 @@ impl Minimizer {
             if contact.is_none() && progress.is_too_slow(report.iterations, decrement, enough) {
                 return Ok(End::Stuck);
             }
+            let (value, number) = (self.current.value, report.iterations);
+            if contact.is_some() && progress.is_stalled(number, value, decrement) {
+                return Ok(End::Stuck);
+            }
             let trusted = contact.is_some().then(|| radius.trust(&self.direction));
             let fraction = trusted.map_or(1.0, |trusted| trusted.fraction);
             let most = self.longest_step(task, contact, fraction)?;
