@@ -2,6 +2,8 @@
 
 use crate::rigid_bodies::watch;
 use crate::scene_text::{scene, written};
+use cloth_bench::scene::file;
+use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
 use std::fmt::Write;
 
@@ -68,12 +70,8 @@ fn poles_carry_a_stretched_sheet_alike() {
 /// 2.143 J, projective dynamics 2431 and at 3.81 J.
 #[test]
 fn taut_cloth_slides_over_a_pole() {
-    let text = "[[mesh]]\ngenerator = \"grid:31x31:alternating\"\nscale = 0.6\ntranslate = [-0.3, -0.3, 0]\n\
-        [cloth]\nstiffness = 3000\n[contact]\nfriction = 0.2\n\
-        [[pins]]\nselect = \"border\"\nmove = [0, 0, -0.12]\nduration = 0.6\nuntil = 0.6\n\
-        [[pins]]\nselect = \"border\"\nfrom = 0.6\nmove = [0.15, 0.05, 0]\nduration = 0.8\n\
-        [[obstacle]]\nshape = \"capsule\"\nradius = 0.01\nlength = 0.5\nposition = [0, 0, -0.265]\n";
-    let scene = scene("taut-over-pole", text);
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tent.toml");
+    let scene = file::build(file.as_ref(), &Settings::default()).unwrap();
     let ends = ["implicit-euler", "pd"].map(|method| {
         let summary = watch(&scene, method, &[], 50, |_| {});
         let (iterations, unfinished) = (summary.iterations, summary.unfinished_steps);
