@@ -65,22 +65,22 @@ fn poles_carry_a_stretched_sheet_alike() {
 }
 
 /// A sheet that is pulled down over the round end of a pole, half as long again there, and then aside. Two methods with
-/// nothing in common but the potential come to the same energy: 2.09929 J, and so does either with a thousandth of the
-/// tolerance. With A ψ″ alone for the stiffness of what is pressed implicit Euler took 2910 iterations and ended at
-/// 2.143 J, projective dynamics 2431 and at 3.81 J.
+/// nothing in common but the potential come to the same energy. With A ψ″ alone for the stiffness of what is pressed
+/// they took 8968 and 8384 iterations, and nine steps of projective dynamics did not end: it came to 2.998 J.
 #[test]
 fn taut_cloth_slides_over_a_pole() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tent.toml");
     let scene = file::build(file.as_ref(), &Settings::default()).unwrap();
     let ends = ["implicit-euler", "pd"].map(|method| {
-        let summary = watch(&scene, method, &[], 50, |_| {});
+        let summary = watch(&scene, method, &[], scene.steps, |_| {});
         let (iterations, unfinished) = (summary.iterations, summary.unfinished_steps);
         let energy = summary.elastic_energy;
         println!("{method}: {energy} J, {iterations} iterations, {unfinished} unfinished");
         assert_eq!(unfinished, 0, "{method}");
-        assert!(iterations < 1500, "{method}: {iterations}");
+        assert!(iterations < 4000, "{method}: {iterations}");
         energy
     });
     let difference = (ends[0] / ends[1] - 1.0).abs();
-    assert!(difference < 2e-5, "{ends:?}");
+    assert!(difference < 1e-5, "{ends:?}");
+    assert!((ends[0] - 2.9731).abs() < 1e-4, "{ends:?}");
 }
