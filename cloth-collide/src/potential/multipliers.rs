@@ -6,8 +6,9 @@
 //! hundred of them pass before any other vertex has moved. Interior-point methods know this, and take λ/d for F/d: the
 //! linearisation of d λ = A κ h²/4 in both variables (Nocedal and Wright 2006, section 19.3; at the minimum λ = F, and
 //! the two are the same). λ comes from the iteration itself: in the solution of a linear system in which the pair has
-//! the stiffness k, and gets nearer by −J·p, its force is F − k J·p. So the next system has, for a pair that gets
-//! nearer, k = max(A ψ″, λ/d) with that force as λ. Gradients are what they were, and so is the minimum.
+//! the stiffness k, and gets nearer by −J·p, its force is F − k J·p. So the next system has, for a pair below
+//! h/2 that gets nearer, k = max(A ψ″, λ/d) with that force as λ. Above h/2, where the law is a spring, A ψ″ is right.
+//! Gradients are what they were, and so is the minimum.
 
 use super::near_pairs::NearPairs;
 use super::pair::PairContact;
@@ -54,7 +55,7 @@ impl Multipliers {
             let nearer = -gap
                 .normal
                 .dot(&weighted(pair.vertices, gap.weights, direction));
-            if gap.distance >= law.range() || nearer <= 0.0 {
+            if gap.distance >= 0.5 * law.range() || nearer <= 0.0 {
                 continue;
             }
             if nearer > PRESSED * gap.distance || self.of(pair).is_some() {
