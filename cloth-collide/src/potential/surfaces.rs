@@ -524,12 +524,8 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
-        if self.contacts.is_clear_of_surfaces() {
-            return self.contacts.update_multipliers(x, direction);
-        }
         let Self { contacts, surfaces } = self;
-        let mut shared = surfaces.shared.lock();
-        let [place, motion] = &mut *shared;
+        let [place, motion] = &mut *surfaces.shared.lock();
         place[..x.len()].copy_from_slice(x);
         motion.fill(Vec3::zeros());
         motion[..x.len()].copy_from_slice(direction);
