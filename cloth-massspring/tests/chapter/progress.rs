@@ -24,3 +24,15 @@ fn what_needs_a_thousand_iterations_more_is_given_up_after_three_windows() {
     assert_eq!(given_up(0.9999), Some(300));
     assert_eq!(given_up(1.0), Some(300));
 }
+
+/// With a decrement of 1 a whole step promises ½: a fall of 0.005 in a window is as much as has to be.
+#[test]
+fn steps_that_contact_cuts_to_nothing_are_given_up_after_a_window() {
+    let stalled = |fall: Real| {
+        let mut progress = Progress::new();
+        (1..1000).find(|&number| progress.is_stalled(number, -fall * Real::from(number), 1.0))
+    };
+    assert_eq!(stalled(5.1e-5), None);
+    assert_eq!(stalled(4.9e-5), Some(200));
+    assert_eq!(stalled(0.0), Some(200));
+}
