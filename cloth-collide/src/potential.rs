@@ -364,7 +364,7 @@
 //! - There is no restitution for methods that minimise: what bounces is elastic.
 //! - A contact is as stiff as A ψ″ = κ A (h/2d)² below h/2. The condition of what a method that minimises
 //!   solves grows with that over m/Δt² of a vertex, so cloth that is pressed to d ≪ h, or a large κ, costs iterations:
-//!   some 20 a step where it is stretched to three times its length over a pole, and now and then hundreds.
+//!   in the scene `tent` of `cloth-bench` 19 a step of implicit Euler and 25 of projective dynamics, in the mean.
 //! - What is near a vertex without being below it counts too: as the thickness h comes near the length of edges, two
 //!   sheets press harder than κ says. On a grid by less than 1 % where h is a thousandth of a cell, 1.3 times at a
 //!   tenth, 1.9 times at three tenths, 4.6 times where h is as large as a cell

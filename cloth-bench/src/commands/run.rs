@@ -102,9 +102,9 @@ pub struct Arguments {
     export_every: u32,
     /// CSV file for the force, its part along the normals and its friction, and the torque on every body in every step
     /// (about the position of an obstacle, or the origin for an animation), bodies numbered in the order of the scene
-    /// file: of the cloth on it, and on a body that the cloth pushes also of
-    /// the other bodies and the held cloth that stop it, each with its reaction on the other body; exports in vtk, ply
-    /// and html get the forces of contact on every vertex
+    /// file: of the cloth on it, and on a body that the cloth pushes also of the other bodies and the held cloth that
+    /// stop it, each with its reaction on the other body; exports in vtk, ply and html get the forces of contact on
+    /// every vertex
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,
     /// CSV file for the force with which the cloth pulls at every held vertex in every step, and for their sum: its

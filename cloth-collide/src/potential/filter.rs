@@ -165,7 +165,7 @@ pub(super) fn shorten_all(from: &[Vec3], to: &mut [Vec3], fractions: &mut [Real]
 }
 
 /// The fraction of its path at which a pair's distance is down to [`KEPT`] of that at the start, or of the
-/// thickness; 1 if that does not happen.
+/// thickness; 1 if that does not happen. Of a pair that is pressed deep less, see [`DEEP`].
 fn safe_fraction_of_pair(chosen: &ChosenPair, from: &[Vec3], to: &[Vec3]) -> Real {
     let near = &chosen.contact;
     let path = Query::of(near.pair, from, to);
