@@ -4,6 +4,7 @@ mod build;
 mod change;
 mod cloth;
 mod contact;
+mod drives;
 pub mod file;
 mod held;
 mod inside;
@@ -18,12 +19,10 @@ pub use change::{Change, ChangeKind};
 pub use contact::{BodySurface, ContactSetup};
 pub use held::HeldMotion;
 
-use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::settings::{Parameter, Range::*, Settings, Table};
 use cloth::{EdgeSprings, Material, Stiffness};
 use cloth_collide::SeparationProbe;
-use cloth_collide::obstacle::Obstacle;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
@@ -217,50 +216,6 @@ impl Scene {
     #[must_use]
     pub fn can_touch(&self) -> bool {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
-    }
-
-    /// The greatest height (m) through which any part of the cloth can fall: its own length, for it may swing, and its
-    /// distance from the obstacle that is farthest away; no more than what is above a floor, if nothing can lift it.
-    #[must_use]
-    pub fn fall(&self) -> Real {
-        let places = &self.start.positions;
-        let [low, high] = bounds(places.iter().copied());
-        let touch = self.touch.iter().filter(|touch| !touch.is_idle());
-        let obstacles = touch.flat_map(ContactSetup::obstacles);
-        let obstacles = obstacles.filter(|o| o.shape().error_bound() < Real::INFINITY);
-        let (mut below, mut above): (Real, Real) = (0.0, Real::INFINITY);
-        for obstacle in obstacles {
-            let distance = |&x: &Vec3| obstacle.signed_distance(x, 0.0).value;
-            let distances = places.iter().map(distance);
-            if obstacle.shape().bounds().is_none() && self.lies_level(obstacle) {
-                above = above.min(distances.clone().fold(0.0, Real::max));
-            }
-            below = below.max(distances.fold(Real::INFINITY, Real::min));
-        }
-        let fall = (high - low).amax() + below;
-        if self.is_left_alone() {
-            fall.min(above)
-        } else {
-            fall
-        }
-    }
-
-    /// Whether the plane is a floor, across gravity.
-    fn lies_level(&self, plane: &Obstacle) -> bool {
-        let up = plane.signed_distance(self.start.positions[0], 0.0).normal;
-        -up.dot(&self.gravity) >= (1.0 - 1e-9) * self.gravity.norm()
-    }
-
-    /// Whether nothing moves the cloth but gravity: neither pins nor bodies, air or what is inside of it.
-    fn is_left_alone(&self) -> bool {
-        let mut touch = self.touch.iter();
-        self.pins.is_none()
-            && self.changes.is_empty()
-            && self.air.is_none()
-            && self.gases.is_empty()
-            && self.volumes.is_empty()
-            && self.start.velocities.iter().all(|v| *v == Vec3::zeros())
-            && touch.all(ContactSetup::stands_still)
     }
 
     /// Whether springs or links are hard constraints, of infinite stiffness.

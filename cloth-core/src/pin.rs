@@ -56,6 +56,18 @@ impl PinMotion {
         };
         self.centre + turned + self.shift * part
     }
+
+    /// The greatest speed (m/s) of a point that is at `start` (m) before it, or more: of the shift and of the turn
+    /// together. 0 for what is all at once.
+    #[must_use]
+    pub fn max_speed(&self, start: Vec3) -> Real {
+        let length = self.shift.norm() + self.turn.norm() * (start - self.centre).norm();
+        if self.duration > 0.0 {
+            length / self.duration
+        } else {
+            0.0
+        }
+    }
 }
 
 /// Prescribed vertices and the paths they follow.
@@ -117,6 +129,15 @@ impl Pins {
         particles.release(vertex)?;
         self.paths.retain(|(held, _)| *held != vertex);
         Ok(())
+    }
+
+    /// The greatest speed (m/s) of a pin on its path within `dt` (s) after `time` (s), in the mean over that; 0 without
+    /// any.
+    #[must_use]
+    pub fn max_speed(&self, time: Real, dt: Real) -> Real {
+        let paths = self.paths.iter();
+        let speeds = paths.map(|(_, path)| (path(time + dt) - path(time)).norm() / dt);
+        speeds.fold(0.0, Real::max)
     }
 
     /// Sets the velocities (m/s) with which the pins reach their paths after a step of `dt` (s).

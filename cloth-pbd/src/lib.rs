@@ -234,9 +234,9 @@
 //! hierarchy** makes *coarse corrections*: on coarser levels first, by links that pull where they are too long, and
 //! push only where the correction itself has made them shorter. What they save: a sheet of 128 × 128 vertices, rigid
 //! springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every vertex down by
-//! `g h²`; sweeps until a hundredth of that is left, and their time on one thread of a 2-core AMD EPYC (the smallest of
-//! some repetitions: `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated from 4 000
-//! or 16 000 sweeps at the rate of their second half.
+//! `g h²`; sweeps until a hundredth of that is left, and their time on one thread of a 2-core AMD EPYC, commit a367cc83
+//! (the smallest of some repetitions: `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥":
+//! extrapolated from 4 000 or 16 000 sweeps at the rate of their second half.
 //!
 //! | | sweeps, edge | ms | sweeps, corners | ms |
 //! |---|---|---|---|---|
@@ -274,7 +274,7 @@
 //! A step costs substeps × iterations × Σ elements × their cost, and beside it a few passes over the vertices in a
 //! substep; a triangulated sheet has about three springs and three hinges a vertex. On one thread a spring takes 4.5 ns
 //! a sweep (the first row above: 48 641 springs). In springs, area takes 10 to 15, bending by angle 20 to 30 (128 × 128
-//! vertices, falling, on busy 2-core machines, so that only ratios count; on yours:
+//! vertices, falling, commit 98e36abd, on busy 2-core machines, so that only ratios count; on yours:
 //! `cargo run --release -p cloth-pbd --example cost_of_a_sweep`). Isometric bending took 2 to 3 there. The visit of
 //! `cloth-xpbd`, nearly the same code, took 1.5 to 2.1 in a bench that keeps the smallest times. So with three of each
 //! a vertex it is 60 to 75 % of a sweep. The rule costs nothing where w̃ is constant. Where it is not, as for area and

@@ -33,7 +33,7 @@
 //! symmetric in the same inner product, so the largest eigenvalue of the sum is at most the sum of the largest, 2.
 //!
 //! The matrix is summed element by element: `Pᵀ H P` is never a matrix of the whole cloth first, which would take 0.65
-//! ms of a step of 3.5 ms at 64 a side, and takes 0.36 so (AMD EPYC, Zen 4, one thread).
+//! ms of a step of 3.5 ms at 64 a side, and takes 0.36 so (AMD EPYC, Zen 4, one thread, commit f08e9736).
 //!
 //! *Why a lattice*, and not one of the coarse levels that multigrid makes of the mesh itself: where such a level fits
 //! the mesh (65 vertices a side, every fourth of them) it is as good. Where it does not (64 or 128 a side, the last

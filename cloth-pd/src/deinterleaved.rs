@@ -7,8 +7,9 @@
 //!
 //! Where the vertices are numbered along rows, as on a grid, the ends of neighbouring springs are neighbours too, and
 //! both are read and added to as streams, without an index: x, y and z apart, even vertices apart from odd ones, eight
-//! springs side by side. What is left is the square root and the division of each spring (0.7 ns of 1.7 on one thread),
-//! the sums, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
+//! springs side by side. What is left is the square root and the division of each spring (0.7 ns of 1.7 on one thread,
+//! commit 246fbcc0), the sums, and taking x, y and z apart and together again. Cloth in another order takes the ends
+//! one by one.
 
 use crate::vertex_blocks::of;
 use cloth_core::element::Projective;

@@ -28,9 +28,9 @@
 //! number of the factor is multiplied by three lanes and subtracted from its row at once.
 //!
 //! So it takes 48 µs for the 280 of faer's solve at 64 vertices a side, 270 for 1220 at 128, and 2.3 ms for 16 at 256
-//! (without bending, least of many, one thread of an AMD EPYC, Zen 4). The factor in single precision is not faster (a
-//! solve takes 1.3 times as long at 64 and 128 vertices a side, 1.1 times at 256), as a number has to be widened before
-//! it is used.
+//! (without bending, least of many, one thread of an AMD EPYC, Zen 4, commit 8bb69bfa). The factor in single precision
+//! is not faster (a solve takes 1.3 times as long at 64 and 128 vertices a side, 1.1 times at 256), as a number has to
+//! be widened before it is used.
 
 mod parts;
 

@@ -39,7 +39,7 @@
 //! model.particles.prescribe(0)?; // two corners
 //! model.particles.prescribe(16)?;
 //! let gravity = Vec3::new(0.0, 0.0, -9.81);
-//! let rule = SubstepRule { strain: 0.1, gravity, fall: 1.0, tension: 0.0, iterations: 1 };
+//! let rule = SubstepRule { strain: 0.1, gravity, fall: 1.0, driven: 0.0, tension: 0.0, iterations: 1 };
 //! let substeps = rule.substeps(&model.particles, &model.springs, 1.0 / 60.0);
 //! let mut solver = XpbdSolver::builder(&model.particles)
 //!     .energy(model.springs.clone())

@@ -7,7 +7,8 @@
 //!
 //! - **An impact**: cloth that is stopped, or bent round, at a speed v is strained by v over the wave speed,
 //!   `v h/l`. The speed is that of a fall through a height H, `v = √(2 g H)`: the length of the cloth, which may swing,
-//!   and what is free below it, or less where a floor is nearer.
+//!   and what is free below it, or less where a floor is nearer. To it comes the speed of what pulls or pushes the
+//!   cloth: pins and bodies that move.
 //! - **The weight**: P prescribed vertices carry V vertices of mass m, so an edge there has a tension of some m g V/P.
 //!   Over the stiffness m/h² that is a stretch of g h² V/P, and a strain of `g h² V/(P l)`. Cloth without prescribed
 //!   vertices comes to lie on a fold or a rim of some √V vertices.
@@ -80,8 +81,8 @@ const SHORT_EDGES: usize = 100;
 /// **What a substep costs** beside its sweeps: one pass over the vertices for x̃, one for the velocities, one over the
 /// rows to set λ to zero ([measured](crate::XpbdSolver#what-a-step-costs)); with damping one more over the rows, for
 /// C⁰. Contact is detected once a substep, but a shorter displacement meets less: for a sheet of 64 × 64 vertices that
-/// may touch itself (`cloth-bench run hang`, with `self=yes`), nine times as many substeps took twice the time of
-/// contact.
+/// may touch itself (`cloth-bench run hang`, with `self=yes`, commit b8898d50), nine times as many substeps took twice
+/// the time of contact.
 ///
 /// # Against the closed form
 /// The [closed form of a chain](crate#how-many-substeps-how-many-iterations) and what is measured
@@ -149,6 +150,8 @@ pub struct SubstepRule {
     /// The greatest height (m) through which any part of the cloth can fall: its own length, where it can swing, and
     /// what is free below it; no more than what is above a floor.
     pub fall: Real,
+    /// The greatest speed (m/s) with which pins pull the cloth, bodies push it, or it flies at the start; 0 for none.
+    pub driven: Real,
     /// The largest tension (N/m) that lasts, such as `p R/2` of a sphere of radius R (m) with a gauge pressure p (Pa)
     /// inside, or `F/w` of a force (N) on a width (m); 0 for none.
     pub tension: Real,
@@ -197,7 +200,7 @@ impl SubstepRule {
             held => held as Real,
         };
         let gravity = self.gravity.norm();
-        let speed = (2.0 * gravity * self.fall.max(0.0)).sqrt();
+        let speed = (2.0 * gravity * self.fall.max(0.0)).sqrt() + self.driven.max(0.0);
         // b h + a h² = ε
         let b = IMPACT_COEFFICIENT * speed / edge;
         let a = WEIGHT_COEFFICIENT * gravity * weight / (held * edge);

@@ -139,6 +139,7 @@ fn substeps(
         },
         gravity: scene.gravity,
         fall: scene.fall(),
+        driven: scene.driving_speed(),
         tension: scene.lasting_tension()?,
         iterations,
     };

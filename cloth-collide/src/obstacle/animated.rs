@@ -1,6 +1,7 @@
 //! A surface that changes its shape in a given way: a moving character.
 
 use super::{ObstacleError, positive};
+use crate::bounds::farthest;
 use cloth_core::error::{number, within};
 use cloth_core::math::{Real, Vec3, is_finite};
 use std::sync::Arc;
@@ -57,6 +58,14 @@ impl AnimatedMesh {
     #[must_use]
     pub fn shape_count(&self) -> usize {
         self.shapes.len()
+    }
+
+    /// The greatest speed (m/s) of a vertex, between any two shapes.
+    #[must_use]
+    pub fn max_speed(&self) -> Real {
+        let pairs = self.shapes.windows(2);
+        let farthest = pairs.map(|pair| farthest(&pair[0], &pair[1], Vec3::zeros()));
+        farthest.fold(0.0, Real::max) / self.interval
     }
 
     /// Writes where the vertices are at `time` (s) to `out` (m).

@@ -18,6 +18,7 @@ use super::bodies::{Bodies, Body, Substep};
 use super::culled_substeps::CulledSubsteps;
 use super::forces::Ledger;
 use super::near::Near;
+use super::near_pairs::longest;
 use super::pair_constraint::{PairConstraint, Role};
 use super::patches::{Lists, NearPair, Patches};
 use super::rebound::Rebounds;
@@ -44,6 +45,9 @@ const ROUNDS: u32 = 12;
 
 /// Sweeps that find the feasible start of a minimisation.
 pub(super) const FEASIBLE_START_SWEEPS: u32 = 10;
+/// The longest path (in thicknesses, relative to the mean motion) of a substep on the way there, and most substeps.
+const PART: Real = 10.0;
+const MOST_PARTS: Real = 100.0;
 
 /// What the constraints know.
 #[derive(Clone, Debug, Default)]
@@ -59,6 +63,8 @@ pub(super) struct Constraints {
     /// Whether the last substep found the feasible start of a minimisation (`Contacts::find_feasible_start`): the next
     /// one that does brings the patches from its end to its own start, instead of forgetting them.
     has_found_start: bool,
+    /// Where the substeps to the feasible start begin, and where they go (m).
+    start_buffers: (Vec<Vec3>, Vec<Vec3>),
     /// Where the sweeps have ended (m), and the fraction of the path there that each vertex goes.
     proposed: Vec<Vec3>,
     fractions: Vec<Real>,
@@ -402,7 +408,7 @@ impl Contacts {
     }
 
     /// Moves the start `x` (m) of an iteration to a feasible one, around what prescribed vertices and bodies do in the
-    /// step: a substep of the constraints.
+    /// step: substeps of the constraints on the way to `x`, none of them long.
     pub(super) fn find_feasible_start(
         &mut self,
         step: &ContactStep<'_>,
@@ -415,17 +421,52 @@ impl Contacts {
             Some(patches) if goes_on && has_found_start => patches.skip(step.from),
             _ => constraints.start_anew(&self.near, step.from, self.before.len()),
         }
+        let parts = longest([step.from, x]) / (PART * self.near.law.range());
+        let parts = parts.ceil().clamp(1.0, MOST_PARTS) as u32;
+        let (mut from, mut goal) = std::mem::take(&mut self.constraints.start_buffers);
+        step.from.clone_into(&mut from);
+        x.clone_into(&mut goal);
+        self.free.finds_feasible_start = true;
+        let mut found = Ok(());
+        for left in (1..=parts).rev() {
+            if left > 1 {
+                let part = 1.0 / Real::from(left);
+                let ends = x.iter_mut().zip(&from).zip(&goal);
+                ends.for_each(|((x, from), goal)| *x = from + (goal - from) * part);
+            } else {
+                x.copy_from_slice(&goal);
+            }
+            let dt = step.dt / Real::from(parts);
+            found = self.move_to_feasible(
+                &ContactStep {
+                    from: &from,
+                    dt,
+                    ..*step
+                },
+                x,
+            );
+            if found.is_err() {
+                break;
+            }
+            from.copy_from_slice(x);
+        }
+        self.free.finds_feasible_start = false;
+        self.constraints.start_buffers = (from, goal);
+        self.constraints.has_found_start = found.is_ok();
+        found
+    }
+
+    fn move_to_feasible(
+        &mut self,
+        step: &ContactStep<'_>,
+        x: &mut [Vec3],
+    ) -> Result<(), ContactError> {
         self.begin_substep(step, x)?;
         self.constraints.bodies.move_out();
         for _ in 0..FEASIBLE_START_SWEEPS {
             ContactConstraints::sweep(self, step, x);
         }
-        self.free.finds_feasible_start = true;
-        let ended = self.end_substep(step, x);
-        self.free.finds_feasible_start = false;
-        ended?;
-        self.constraints.has_found_start = true;
-        Ok(())
+        self.end_substep(step, x)
     }
 
     /// The substep is taken out of the hands of the constraints: impact zones bring it to an end.

@@ -299,7 +299,7 @@ impl NearPairs {
 }
 
 /// How far (m) a vertex goes, at most, relative to the mean motion.
-fn longest([from, to]: [&[Vec3]; 2]) -> Real {
+pub(super) fn longest([from, to]: [&[Vec3]; 2]) -> Real {
     farthest(from, to, mean(to) - mean(from))
 }
 

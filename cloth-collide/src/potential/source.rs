@@ -21,8 +21,9 @@ use cloth_core::contact::{
 use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
-/// Paths longer than this many thicknesses, relative to the mean motion, are tested up to there only.
-const LONGEST: Real = 10.0;
+/// Paths longer than this many thicknesses, relative to the mean motion, are tested up to there only: how many pairs a
+/// path can bring into contact grows with the square of its length.
+const LONGEST: Real = 5.0;
 /// Times that pairs are chosen anew because vertices were cut, before all are cut alike.
 const MOST_ROUNDS: u32 = 10;
 /// Coordinates (m) from which on squares are beyond all numbers.
@@ -155,7 +156,8 @@ impl ContactPotential for Contacts {
         self.still.extend(still);
         self.pairs.begin(step.from, &self.near.is_resting, goes_on);
         self.multipliers.clear();
-        self.prepare(step.from, &wanted, false)?;
+        let goal = if is_still { &wanted[..] } else { step.from };
+        self.prepare(step.from, goal, false)?;
         self.freeze_friction(step);
         if is_still {
             let fraction = self.safe_fraction(step.from, &wanted);

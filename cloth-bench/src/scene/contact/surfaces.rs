@@ -58,6 +58,29 @@ impl ContactSetup {
         Ok(Box::new(move |time| fixed.position(time)))
     }
 
+    /// The greatest speed (m/s) of any body that moves as it is told, at its vertices, until it is driven otherwise.
+    pub(in crate::scene) fn max_speed(&self) -> Real {
+        let obstacles = self.obstacles().map(Obstacle::motion).enumerate();
+        let rigid = obstacles.map(|(body, motion)| {
+            self.speed_with(body, [motion.velocity, motion.angular_velocity])
+        });
+        let animated = self.animated.iter();
+        let animated = animated.map(|(_, animation, _)| animation.max_speed());
+        rigid.chain(animated).fold(0.0, Real::max)
+    }
+
+    /// The greatest speed (m/s) of the vertices of an obstacle that has this velocity (m/s), and angular velocity
+    /// (rad/s) about its position.
+    pub(in crate::scene) fn speed_with(
+        &self,
+        body: usize,
+        [velocity, angular_velocity]: [Vec3; 2],
+    ) -> Real {
+        let vertices = self.shapes[body].0.positions().iter();
+        let radius = vertices.map(Vec3::norm).fold(0.0, Real::max);
+        velocity.norm() + angular_velocity.norm() * radius
+    }
+
     /// Surfaces of all bodies at a time (s), in the order of the scene.
     #[must_use]
     pub fn body_surfaces(&self, time: Real) -> Vec<BodySurface<'_>> {
