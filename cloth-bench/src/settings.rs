@@ -139,6 +139,11 @@ impl<T> Setting<T> {
         self.name
     }
 
+    /// Its place in a file, as errors begin; empty if it is from elsewhere.
+    pub(crate) fn place(&self) -> &str {
+        self.place.as_deref().unwrap_or_default()
+    }
+
     /// What is wrong with it, with file and line if it is from a file.
     pub fn refuse(&self, message: impl Display) -> BenchError {
         placed(self.place.as_deref(), message)

@@ -202,6 +202,7 @@ impl<'a> Sections<'a> {
             &self.seams,
             &self.obstacles,
         ])?;
+        scene.hints.extend(hints::of_intervals(&self.obstacles)?);
         scene.hints.extend(hints::of_sizes(&scene));
         if self.falls_freely() && gravity != Vec3::zeros() {
             scene.hints.push(

@@ -178,7 +178,7 @@ crate::settings! {
         length: Option<Real> = "needed" "m" in AtLeast(0.0), "of the straight part of a capsule";
         folder: Option<String> = "needed",
             "of an animation: OBJ or PLY files in m with the same triangles, one shape each, in the order of the \
-             numbers in their names (2.obj before 10.obj)";
+             numbers in their names (2.obj before 10.obj), all of which have one, or none, and then by name";
         interval: Option<Real> = "1/60" "s" in Above(0.0),
             "time between two shapes of an animation; vertices go straight in between";
         sampled: Option<Real> = "none" "m" in Above(0.0),
