@@ -325,13 +325,18 @@ impl<'a> Sections<'a> {
         let timed = holds.iter().filter(|hold| hold.is_timed());
         let timed: Vec<usize> = timed.flat_map(|hold| hold.vertices.clone()).collect();
         let mut touch = self.touch(&contact, &mesh, folder, gravity)?;
-        let mut carried = Vec::new();
+        let mut taken_along = Vec::new();
         for (section, hold) in self.pins.iter().zip(holds) {
             hold.check(section, &touch)?;
             let (model, ways) = (&mut model, &mut ways);
-            carried.extend(hold.apply(section, &positions, model, ways, &mut changes)?);
+            taken_along.extend(hold.apply(section, &positions, model, ways, &mut changes)?);
         }
-        let known = (&model.particles, &timed[..]);
+        let of_body = |(vertices, body): &(Vec<usize>, usize)| {
+            let body = *body;
+            vertices.clone().into_iter().map(move |v| (v, body))
+        };
+        let carried: Vec<_> = taken_along.iter().flat_map(of_body).collect();
+        let known = (&model.particles, &timed[..], &carried[..]);
         changes.extend(event::changes(&self.events, grasped, known, name)?);
         for (section, vertices) in self.forces.iter().zip(pushed) {
             let push = force::push(section, vertices, &model.particles, &changes)?;
@@ -364,7 +369,7 @@ impl<'a> Sections<'a> {
         };
         scene.start.positions = positions;
         start::apply(&self.start, &mut scene)?;
-        for (vertices, body) in carried {
+        for (vertices, body) in taken_along {
             let start = scene.start.clone();
             scene.hold(&vertices, HeldMotion::With(body), &start)?;
         }
