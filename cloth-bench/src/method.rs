@@ -248,8 +248,9 @@ impl Method {
     /// The same of the command `run`, which gives pbd as many substeps, too; studies show its published setting.
     pub(crate) fn for_run(&self, settings: Settings) -> Settings {
         match self.kind {
-            Kind::Pbd => Settings::of("substeps=auto").then(&settings),
-            _ => self.by_default(settings),
+            Kind::Pbd | Kind::Xpbd => "substeps=auto",
+            Kind::Own(own) => own.by_default,
+            _ => "",
         }
     }
 
@@ -257,6 +258,11 @@ impl Method {
     /// settings ask for it.
     ///
     /// # Errors
+        Settings::of(self.defaults_of_run()).then(&settings)
+    }
+
+    /// Where `run` takes another setting than the published one: `key=value` pairs.
+    pub(crate) fn defaults_of_run(&self) -> &'static str {
     /// [`BenchError::Usage`] for a setting that the method does not know or that is out of range, or an element of the
     /// scene without the view that the method needs.
     pub fn build(
