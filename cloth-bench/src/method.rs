@@ -207,17 +207,27 @@ impl Method {
         }))
     }
 
-    /// A sentence about a stretch at the end of a run of which sweeps may have left a part.
-    pub(crate) fn stretch_warning(&self, summary: &Summary) -> Option<String> {
+    /// A sentence about a stretch in a run of which sweeps may have left a part. Whoever has given a number of substeps
+    /// has perhaps tried others, which leave what loads and pins do.
+    pub(crate) fn stretch_warning(&self, summary: &Summary, settings: &Settings) -> Option<String> {
         let (strain, sweeps) = (summary.max_stretch_of_all, summary.iterations_per_step);
+        let given = settings
+            .get("substeps")
+            .and_then(|given| given.parse::<u32>().ok());
+        let advice = match given {
+            None => format!(
+                "see what `--set substeps={}` makes of it",
+                4 * sweeps.max(1)
+            ),
+            Some(_) => "what more substeps do not change is the cloth's own".into(),
+        };
         (matches!(self.kind, Kind::Xpbd) && strain > SWEPT_STRAIN).then(|| {
             format!(
                 "an edge was {:.0} % longer than at rest after one of the steps, at the end {:.0} %: where loads and pins \
-                 do not stretch it so, {sweeps} sweeps a step leave some of that, and the motion is another one; see \
-                 what `--set substeps={}` makes of it",
+                 do not stretch it so, {sweeps} sweeps a step leave some of that, and the motion is another one; \
+                 {advice}",
                 100.0 * strain,
                 100.0 * summary.max_stretch,
-                4 * sweeps.max(1)
             )
         })
     }

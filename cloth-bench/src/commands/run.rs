@@ -418,7 +418,7 @@ fn simulate(
         summary.start_warning(),
         summary.stretched.clone(),
         summary.open_seam.clone(),
-        method.stretch_warning(&summary),
+        method.stretch_warning(&summary, settings),
         summary
             .energy_warning()
             .map(|warning| warning + method.about_energy_gain()),
