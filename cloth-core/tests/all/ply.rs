@@ -271,12 +271,12 @@ fn every_mistake_names_its_line() {
         (
             16,
             "3 2 1 0",
-            "line 16: face 1: triangles 0 and 1 have the same three vertices",
+            "line 16: face 1 has the same three vertices as face 0 (line 15): remove one of the two",
         ),
         (
             16,
             "4 0 1 2 3",
-            "line 16: face 1: triangles 0 and 1 have the same three vertices",
+            "line 16: face 1 has the same three vertices as face 0 (line 15): remove one of the two",
         ),
         (
             16,
