@@ -257,6 +257,11 @@ impl Method {
 
     /// The same of the command `run`, which gives pbd as many substeps, too; studies show its published setting.
     pub(crate) fn for_run(&self, settings: Settings) -> Settings {
+        Settings::of(self.defaults_of_run()).then(&settings)
+    }
+
+    /// Where `run` takes another setting than the published one: `key=value` pairs.
+    pub(crate) fn defaults_of_run(&self) -> &'static str {
         match self.kind {
             Kind::Pbd | Kind::Xpbd => "substeps=auto",
             Kind::Own(own) => own.by_default,
@@ -268,11 +273,6 @@ impl Method {
     /// settings ask for it.
     ///
     /// # Errors
-        Settings::of(self.defaults_of_run()).then(&settings)
-    }
-
-    /// Where `run` takes another setting than the published one: `key=value` pairs.
-    pub(crate) fn defaults_of_run(&self) -> &'static str {
     /// [`BenchError::Usage`] for a setting that the method does not know or that is out of range, or an element of the
     /// scene without the view that the method needs.
     pub fn build(
@@ -283,9 +283,10 @@ impl Method {
     ) -> Result<Box<dyn Stepper>, BenchError> {
         settings.check(&format!("method `{}`", self.name), &self.parameters())?;
         self.check_hard(scene)?;
-        self.check_pushed(scene)?;
-        self.check_volumes(scene)?;
-        self.check_restitution(scene)?;
+        let checked = self.check_pushed(scene);
+        let checked = checked.and_then(|()| self.check_volumes(scene));
+        let checked = checked.and_then(|()| self.check_restitution(scene));
+        checked.map_err(|error| error.at(&scene.file))?;
         // Runs take a step in as many parts.
         let dt = dt / Real::from(scene.parts(dt));
         let substeps = self.substeps(scene, settings, dt)?;
@@ -311,8 +312,8 @@ impl Method {
             false => "stiffness=inf",
         };
         Err(BenchError::Usage(format!(
-            "`{}` cannot take {what}: {reason}; xpbd takes it, as hard constraints",
-            self.name
+            "{}`{}` cannot take {what}: {reason}; xpbd takes it, as hard constraints",
+            scene.hard_place, self.name
         )))
     }
 

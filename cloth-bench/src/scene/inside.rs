@@ -177,11 +177,26 @@ impl Scene {
         let named = |touch: &ContactSetup| body.map(|body| touch.body_name(body));
         let other = self.touch.as_ref().and_then(named);
         let other = other.unwrap_or_else(|| "the cloth itself".into());
-        BenchError::Failed(format!(
-            "step {step}: {pairs} pairs of triangles pass through each other at its start, the first of them that with \
-             the vertices {a}, {b} and {c} of the cloth, and one of {other}; move them apart, hold the vertices that \
-             are to stay in a body, or have them pulled apart (untangle=yes)"
-        ))
+        let advice = match body.is_none() && self.border_warning().is_some() {
+            true => {
+                "some of its border vertices lie on others without being one with them: weld = 0 makes those of one \
+                 [[mesh]] one, and two [[mesh]] need a [[seam]], or a distance from each other"
+            }
+            false => {
+                "move them apart, hold the vertices that are to stay in a body, or have them pulled apart \
+                 (untangle=yes)"
+            }
+        };
+        let message = format!(
+            "{}step {step}: {pairs} pairs of triangles pass through each other at its start, the first of them that \
+             with the vertices {a}, {b} and {c} of the cloth, and one of {other}; {advice}",
+            self.file
+        );
+        match step {
+            // The scene says where the cloth starts.
+            1 => BenchError::Usage(message),
+            _ => BenchError::Failed(message),
+        }
     }
 
     /// A sentence about held vertices in bodies, each with the number of its body in contact; none without any.

@@ -1,7 +1,9 @@
 //! From the text of a file to a [`Scene`].
 
 use super::document::{Document, Section};
-use super::keys::{MESH_CLOTH, MESH_CONTACT, MESH_SOLID, Obstacle, SECTIONS, Top, overrulable};
+use super::keys::{
+    Link, MESH_CLOTH, MESH_CONTACT, MESH_SOLID, Obstacle, SECTIONS, Top, overrulable,
+};
 use super::material::Material;
 use super::selection::Pieces;
 use super::{
@@ -10,6 +12,7 @@ use super::{
 };
 use crate::bounds::bounds;
 use crate::error::BenchError;
+use crate::scene::cloth::{self, Stiffness};
 use crate::scene::contact::{ContactSetup, Surface};
 use crate::scene::{HeldMotion, Scene, build as built_in};
 use crate::settings::{Settings, Table};
@@ -48,7 +51,10 @@ pub(crate) fn build_text(
     settings.check(&format!("scene `{}`", path.display()), &overrulable())?;
     let document = Document { path, text };
     let root = DeTable::parse(text).map_err(|error| match error.span() {
-        Some(span) => document.refuse(span, error.message()),
+        Some(span) => document.refuse(
+            span.clone(),
+            document.of_syntax(error.message(), span.start),
+        ),
         None => document.refuse_whole(error.message()),
     })?;
     let sections = Sections::find(document, root.get_ref())?;
@@ -187,6 +193,7 @@ impl<'a> Sections<'a> {
             dt: top.dt.unwrap_or(scene.dt),
             steps: top.steps.unwrap_or(scene.steps),
             methods: self.methods.clone(),
+            file: format!("{}: ", self.document.path.display()),
             ..scene
         };
         scene.hints.extend(hints::of_rotations([
@@ -195,6 +202,7 @@ impl<'a> Sections<'a> {
             &self.pins,
             &self.events,
         ])?);
+        scene.hints.extend(hints::of_intervals(&self.obstacles)?);
         scene.event_times = hints::event_times([
             &self.events,
             &self.pins,
@@ -202,7 +210,6 @@ impl<'a> Sections<'a> {
             &self.seams,
             &self.obstacles,
         ])?;
-        scene.hints.extend(hints::of_intervals(&self.obstacles)?);
         scene.hints.extend(hints::of_sizes(&scene));
         if self.falls_freely() && gravity != Vec3::zeros() {
             scene.hints.push(
@@ -365,6 +372,7 @@ impl<'a> Sections<'a> {
             gases,
             volumes,
             hints,
+            hard_place: self.hard_place(&cloth)?,
             ..built_in::of_mesh("", &mesh, model, gravity)
         };
         scene.start.positions = positions;
@@ -379,6 +387,26 @@ impl<'a> Sections<'a> {
         }
         scene.changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(scene)
+    }
+
+    /// Where the first hard constraints stand, as errors begin.
+    fn hard_place(&self, cloth: &Settings) -> Result<String, BenchError> {
+        if cloth::is_hard(cloth)? {
+            return Ok(Stiffness::read(cloth)?.stiffness.place().to_owned());
+        }
+        let pieces = self.materials.iter().flatten();
+        for section in pieces {
+            let own = section.read::<Stiffness>()?.stiffness;
+            if own.number().is_infinite() {
+                return Ok(own.place().to_owned());
+            }
+        }
+        for section in &self.links {
+            if section.read::<Link>()?.stiffness.number().is_infinite() {
+                return Ok(section.place());
+            }
+        }
+        Ok(String::new())
     }
 
     /// What the cloth can touch.

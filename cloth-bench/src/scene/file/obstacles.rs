@@ -130,7 +130,7 @@ fn rigid(
             let edges = *needed(&own.size)?;
             let half = edges / 2.0;
             let body = Cuboid::new(half).map_err(|error| own.size.refuse(error))?;
-            let surface = generate::cuboid(half.into()).map_err(BenchError::failed)?;
+            let surface = drawn(section, generate::cuboid(half.into()))?;
             let of = |density| RigidBody::cuboid(density, half, gravity);
             around_centre(section, own, body, surface, motion, of)
         }
