@@ -256,8 +256,8 @@ impl Method {
     }
 
     /// The same of the command `run`, which gives pbd as many substeps, too; studies show its published setting.
-    pub(crate) fn for_run(&self, settings: Settings) -> Settings {
-        Settings::of(self.defaults_of_run()).then(&settings)
+    pub(crate) fn for_run(&self, settings: &Settings) -> Settings {
+        Settings::of(self.defaults_of_run()).then(settings)
     }
 
     /// Where `run` takes another setting than the published one: `key=value` pairs.

@@ -175,7 +175,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     } else {
         scene::build(&arguments.scene, arguments.mesh.as_deref(), &of_scene)?
     };
-    let settings = method.for_run(scene.settings_of(method.name).then(&overruling));
+    let settings = method.for_run(&scene.settings_of(method.name).then(&overruling));
     let dt = arguments.dt.unwrap_or(scene.dt);
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(BenchError::Usage(format!(

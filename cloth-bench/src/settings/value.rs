@@ -34,9 +34,8 @@ impl Range {
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        /// From here on zeros are not counted by eye.
-        const LONG: Real = 1e6;
-        let shown = |bound: Real| match bound.abs() < LONG {
+        // Beyond these, zeros are not counted by eye.
+        let shown = |bound: Real| match bound == 0.0 || (1e-6..1e6).contains(&bound.abs()) {
             true => bound.to_string(),
             false => format!("{bound:e}"),
         };
