@@ -21,6 +21,14 @@ impl BenchError {
         }
     }
 
+    /// The same with the place in a file in front, as errors begin: `scene.toml: line 3: `; empty if there is none.
+    pub(crate) fn at(self, place: &str) -> Self {
+        match self {
+            Self::Usage(message) => Self::Usage(format!("{place}{message}")),
+            Self::Failed(message) => Self::Failed(format!("{place}{message}")),
+        }
+    }
+
     /// Bad usage or input, explained by another error.
     pub fn usage(error: impl fmt::Display) -> Self {
         Self::Usage(error.to_string())

@@ -207,17 +207,27 @@ impl Method {
         }))
     }
 
-    /// A sentence about a stretch at the end of a run of which sweeps may have left a part.
-    pub(crate) fn stretch_warning(&self, summary: &Summary) -> Option<String> {
+    /// A sentence about a stretch in a run of which sweeps may have left a part. Whoever has given a number of substeps
+    /// has perhaps tried others, which leave what loads and pins do.
+    pub(crate) fn stretch_warning(&self, summary: &Summary, settings: &Settings) -> Option<String> {
         let (strain, sweeps) = (summary.max_stretch_of_all, summary.iterations_per_step);
+        let given = settings
+            .get("substeps")
+            .and_then(|given| given.parse::<u32>().ok());
+        let advice = match given {
+            None => format!(
+                "see what `--set substeps={}` makes of it",
+                4 * sweeps.max(1)
+            ),
+            Some(_) => "what more substeps do not change is the cloth's own".into(),
+        };
         (matches!(self.kind, Kind::Xpbd) && strain > SWEPT_STRAIN).then(|| {
             format!(
                 "an edge was {:.0} % longer than at rest after one of the steps, at the end {:.0} %: where loads and pins \
-                 do not stretch it so, {sweeps} sweeps a step leave some of that, and the motion is another one; see \
-                 what `--set substeps={}` makes of it",
+                 do not stretch it so, {sweeps} sweeps a step leave some of that, and the motion is another one; \
+                 {advice}",
                 100.0 * strain,
                 100.0 * summary.max_stretch,
-                4 * sweeps.max(1)
             )
         })
     }
@@ -246,10 +256,16 @@ impl Method {
     }
 
     /// The same of the command `run`, which gives pbd as many substeps, too; studies show its published setting.
-    pub(crate) fn for_run(&self, settings: Settings) -> Settings {
+    pub(crate) fn for_run(&self, settings: &Settings) -> Settings {
+        Settings::of(self.defaults_of_run()).then(settings)
+    }
+
+    /// Where `run` takes another setting than the published one: `key=value` pairs.
+    pub(crate) fn defaults_of_run(&self) -> &'static str {
         match self.kind {
-            Kind::Pbd => Settings::of("substeps=auto").then(&settings),
-            _ => self.by_default(settings),
+            Kind::Pbd | Kind::Xpbd => "substeps=auto",
+            Kind::Own(own) => own.by_default,
+            _ => "",
         }
     }
 
@@ -267,9 +283,10 @@ impl Method {
     ) -> Result<Box<dyn Stepper>, BenchError> {
         settings.check(&format!("method `{}`", self.name), &self.parameters())?;
         self.check_hard(scene)?;
-        self.check_pushed(scene)?;
-        self.check_volumes(scene)?;
-        self.check_restitution(scene)?;
+        let checked = self.check_pushed(scene);
+        let checked = checked.and_then(|()| self.check_volumes(scene));
+        let checked = checked.and_then(|()| self.check_restitution(scene));
+        checked.map_err(|error| error.at(&scene.file))?;
         // Runs take a step in as many parts.
         let dt = dt / Real::from(scene.parts(dt));
         let substeps = self.substeps(scene, settings, dt)?;
@@ -295,8 +312,8 @@ impl Method {
             false => "stiffness=inf",
         };
         Err(BenchError::Usage(format!(
-            "`{}` cannot take {what}: {reason}; xpbd takes it, as hard constraints",
-            self.name
+            "{}`{}` cannot take {what}: {reason}; xpbd takes it, as hard constraints",
+            scene.hard_place, self.name
         )))
     }
 

@@ -390,7 +390,8 @@ fn take_steps(
         forces,
         pin_loads,
     } = plan;
-    scene.refuse_start_inside(state)?;
+    let outside = scene.refuse_start_inside(state);
+    outside.map_err(|error| error.at(&scene.file))?;
     let mut course = Course::new(scene)?;
     course.record_forces(forces);
     course.pin_loads = pin_loads.then(|| PinLoads::new(state.positions.len()));

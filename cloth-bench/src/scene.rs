@@ -78,6 +78,10 @@ pub struct Scene {
     pub order: Option<cloth_core::method::ordering::Order>,
     /// What is seldom meant of what it was built from, a sentence each.
     pub hints: Vec<String>,
+    /// Its file, as errors begin; empty for a scene of the program.
+    pub file: String,
+    /// Where that has the first hard constraints, as errors begin; empty without any.
+    pub hard_place: String,
     /// Where its file has what happens on the way, and the time (s) of that.
     pub event_times: Vec<(String, Real)>,
     /// What its file says of methods, by the names of these.
@@ -111,6 +115,8 @@ impl Scene {
             added_masses: Vec::new(),
             order: None,
             hints: Vec::new(),
+            file: String::new(),
+            hard_place: String::new(),
             event_times: Vec::new(),
             methods: Vec::new(),
         }

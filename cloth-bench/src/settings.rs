@@ -139,6 +139,11 @@ impl<T> Setting<T> {
         self.name
     }
 
+    /// Its place in a file, as errors begin; empty if it is from elsewhere.
+    pub(crate) fn place(&self) -> &str {
+        self.place.as_deref().unwrap_or_default()
+    }
+
     /// What is wrong with it, with file and line if it is from a file.
     pub fn refuse(&self, message: impl Display) -> BenchError {
         placed(self.place.as_deref(), message)
@@ -371,16 +376,21 @@ impl Entry {
         let read = T::read(&value).filter(|read| read.is_within(parameter.range));
         read.ok_or_else(|| {
             let text = value.as_str().unwrap_or(&self.text);
-            let expected = match (T::KIND, T::names()) {
+            let mut words = T::names();
+            // Of other defaults, such as `needed`, it is not what one would write.
+            if T::CAN_BE_NONE && parameter.default == "none" {
+                words.push("none");
+            }
+            let expected = match (T::KIND, words) {
                 ("", known) => {
                     let message = names::unknown(parameter.name, text, &known);
                     return placed(self.place.as_deref(), message);
                 }
                 (kind, words) => {
-                    let of = match parameter.range {
-                        Range::Any => "",
-                        Range::AtLeast(_) => " of ",
-                        _ => " ",
+                    let (kind, of) = match parameter.range {
+                        Range::Any => (T::OF_ANY_SIZE, ""),
+                        Range::AtLeast(_) => (kind, " of "),
+                        _ => (kind, " "),
                     };
                     let words = words.iter().map(|word| format!(", or {word}"));
                     let words: String = words.collect();

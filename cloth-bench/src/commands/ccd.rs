@@ -19,7 +19,12 @@ pub struct Arguments {
     #[arg(long, default_value = "conservative")]
     method: String,
     /// Makes so many queries with exactly known answers, half of them degenerate, besides those of the files
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
     generate: usize,
     /// The seed of these
     #[arg(long, value_name = "S", default_value_t = 1)]

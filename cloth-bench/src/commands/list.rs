@@ -37,32 +37,37 @@ struct Entry {
 }
 
 fn entries() -> [(&'static str, Vec<Entry>); 7] {
-    let with_defaults = |name, about, tables: &[&'static [Parameter]], defaults: &'static str| {
-        let own = |parameter: &Parameter| {
-            let defaults = defaults.split_whitespace();
-            let mut defaults = defaults.filter_map(|pair| pair.split_once('='));
-            let own = defaults.find(|(key, _)| *key == parameter.name);
-            Parameter {
-                default: own.map_or(parameter.default, |(_, default)| default),
-                ..*parameter
+    let with_defaults =
+        |name, about, tables: &[&'static [Parameter]], defaults: [&'static str; 2]| {
+            let own = |parameter: &Parameter| {
+                let defaults = defaults.iter().flat_map(|pairs| pairs.split_whitespace());
+                let mut defaults = defaults.filter_map(|pair| pair.split_once('='));
+                let own = defaults.find(|(key, _)| *key == parameter.name);
+                Parameter {
+                    default: own.map_or(parameter.default, |(_, default)| default),
+                    ..*parameter
+                }
+            };
+            Entry {
+                name,
+                about,
+                parameters: tables.iter().copied().flatten().map(own).collect(),
             }
         };
-        Entry {
-            name,
-            about,
-            parameters: tables.iter().copied().flatten().map(own).collect(),
-        }
-    };
     let entry =
-        |name, about, tables: &[&'static [Parameter]]| with_defaults(name, about, tables, "");
+        |name, about, tables: &[&'static [Parameter]]| with_defaults(name, about, tables, [""; 2]);
     let plain = |name, about| entry(name, about, &[]);
     let scenes = SCENES.iter();
-    let scenes = scenes.map(|s| with_defaults(s.name, s.about, &s.groups(), s.defaults()));
+    let scenes = scenes.map(|s| with_defaults(s.name, s.about, &s.groups(), [s.defaults(), ""]));
     let sections = file::SECTIONS
         .iter()
         .map(|s| entry(s.head, s.about, s.keys));
     let methods = method::all();
-    let methods = methods.map(|m| with_defaults(m.name, m.about, &m.parameters(), m.defaults()));
+    // What is not given is what `run` takes.
+    let methods = methods.map(|m| {
+        let defaults = [m.defaults_of_run(), m.defaults()];
+        with_defaults(m.name, m.about, &m.parameters(), defaults)
+    });
     let laws = LAWS.iter().map(|l| entry(l.name, l.about, l.parameters));
     let meshes = GENERATORS.iter().map(|&(form, about)| plain(form, about));
     [

@@ -27,6 +27,7 @@ use std::time::{Duration, Instant};
 /// What the numbers mean whose names do not say it.
 const NUMBERS: &str = "\
 Of the numbers that come out:
+  pins                 vertices that are held at the end, after all that was grabbed and released on the way
   ms_per_step_max      the longest step (ms); a contact in which much is folded takes far more than the median
   max_stretch_of_all   largest strain of an edge after any step; max_stretch is that at the end
   elastic_energy       of all elements at the end (J)
@@ -66,10 +67,10 @@ pub struct Arguments {
     #[arg(long, value_name = "MESH")]
     mesh: Option<String>,
     /// Vertices a side, links or cells, as the scene says
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
     n: Option<u32>,
     /// Number of steps
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..))]
     steps: Option<u32>,
     /// Step size (s)
     #[arg(long, allow_negative_numbers = true)]
@@ -79,7 +80,7 @@ pub struct Arguments {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     time_limit: Option<Real>,
     /// Number of threads; all cores if not given
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Sets a parameter of the scene or the method
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -98,7 +99,13 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "obj", requires = "export")]
     format: Format,
     /// Exports every K-th step only
-    #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 1,
+        requires = "export",
+        allow_negative_numbers = true
+    )]
     export_every: u32,
     /// CSV file for the force, its part along the normals and its friction, and the torque on every body in every step
     /// (about the position of an obstacle, or the origin for an animation), bodies numbered in the order of the scene
@@ -168,7 +175,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     } else {
         scene::build(&arguments.scene, arguments.mesh.as_deref(), &of_scene)?
     };
-    let settings = method.for_run(scene.settings_of(method.name).then(&overruling));
+    let settings = method.for_run(&scene.settings_of(method.name).then(&overruling));
     let dt = arguments.dt.unwrap_or(scene.dt);
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(BenchError::Usage(format!(
@@ -418,7 +425,7 @@ fn simulate(
         summary.start_warning(),
         summary.stretched.clone(),
         summary.open_seam.clone(),
-        method.stretch_warning(&summary),
+        method.stretch_warning(&summary, settings),
         summary
             .energy_warning()
             .map(|warning| warning + method.about_energy_gain()),

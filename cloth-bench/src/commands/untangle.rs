@@ -41,7 +41,12 @@ pub struct Arguments {
     )]
     thickness: Real,
     /// Iterations, at most
-    #[arg(long, value_name = "N", default_value_t = 1000)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1000,
+        allow_negative_numbers = true
+    )]
     iterations: u32,
     /// One JSON object instead of lines
     #[arg(long)]

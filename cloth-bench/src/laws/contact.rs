@@ -4,6 +4,7 @@ use super::prelude::*;
 use crate::method::Method;
 use crate::run;
 use crate::scene::file;
+use crate::settings::Setting;
 use crate::studies::contact::laws::{Measured, rest, slide_with};
 use crate::studies::contact::{cylinder, laws};
 use std::path::Path;
@@ -13,7 +14,8 @@ law! {
     "way (m) that a sheet slides from rest down a slope in 30 steps of 1/60 s: ½ a t² and what the steps of the method \
      add to it, a = g (sin α − μ cos α), if tan α > μ, else none";
     incline(InclineSettings {
-        method: String = "xpbd", "any method";
+        method: String = "xpbd",
+            "any method but explicit-euler, which is unstable, and implicit-midpoint, which gains energy in contact";
         angle_deg: Real = 30 "°" in Within(0.0, 89.0), "inclination of the slope";
         friction: Real = 0.3 in AtLeast(0.0), "coefficient of friction";
     })
@@ -45,7 +47,7 @@ law! {
     STACK = "stack" within 3e-3,
     "force of a floor under sheets that lie on each other, over the weight of one (dimensionless): their number";
     stack(StackSettings {
-        method: String = "xpbd", "any method";
+        method: String = "xpbd", "any method but explicit-euler, which is unstable";
         sheets: u32 = 3 in Within(1.0, 10.0), "number of sheets";
     })
 }
@@ -57,7 +59,7 @@ law! {
     capstan(CapstanSettings {
         method: String = "xpbd", "any method";
         friction: Real = 0.3 in Within(0.0, 1.0), "coefficient of friction";
-        angle_deg: Real = 180 "°" in Within(11.25, 180.0), "angle of contact, in steps of 11.25°";
+        angle_deg: Real = 180 "°" in Within(11.25, 180.0), "angle of contact, a multiple of 11.25°";
     })
 }
 
@@ -68,7 +70,7 @@ law! {
     pressure(PressureSettings {
         method: String = "xpbd", "any method";
         height: Real = 3 in Within(1.0, 10.0), "height of the top above the ends over the radius, H/R";
-        angle_deg: Real = 0 "°" in Within(0.0, 67.5), "angle φ from the top, in steps of 11.25°";
+        angle_deg: Real = 0 "°" in Within(0.0, 67.5), "angle φ from the top, a multiple of 11.25°";
     })
 }
 
@@ -92,7 +94,24 @@ fn stack(own: &StackSettings) -> Result<Evaluation, BenchError> {
     Ok(told(cylinder::stack(&own.method, Real::from(*own.sheets))?))
 }
 
+/// Angle (°) that an edge of the strip takes on a cylinder.
+const EDGE: Real = 11.25;
+
+/// Refuses an angle that is not that of whole edges.
+fn of_whole_edges(angle_deg: &Setting<Real>) -> Result<(), BenchError> {
+    let below = EDGE * (**angle_deg / EDGE).floor();
+    if **angle_deg == below {
+        return Ok(());
+    }
+    Err(angle_deg.refuse(format!(
+        "angle_deg is {}, but it has to be a multiple of {EDGE}, the angle of an edge of the strip: give {below} or {}",
+        **angle_deg,
+        below + EDGE
+    )))
+}
+
 fn capstan(own: &CapstanSettings) -> Result<Evaluation, BenchError> {
+    of_whole_edges(&own.angle_deg)?;
     Ok(told(cylinder::slip(
         &own.method,
         *own.angle_deg,
@@ -101,6 +120,7 @@ fn capstan(own: &CapstanSettings) -> Result<Evaluation, BenchError> {
 }
 
 fn pressure(own: &PressureSettings) -> Result<Evaluation, BenchError> {
+    of_whole_edges(&own.angle_deg)?;
     Ok(told(cylinder::press(
         &own.method,
         *own.height,

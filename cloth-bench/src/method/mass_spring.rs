@@ -7,6 +7,10 @@ use cloth_core::math::Real;
 use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_massspring::{Damping, HessianPolicy, ImplicitConfig, Solve, StartGuess};
 
+/// A residual below this, relative to what it began with, is not resolved in double precision: the directions of
+/// conjugate gradients vanish, and the matrix would be told for singular.
+const ROUNDING: Real = 1e-16;
+
 crate::settings! {
     /// Of the explicit integrators.
     pub(super) struct Explicit {
@@ -33,7 +37,8 @@ crate::settings! {
     }
     /// Of linear solvers that iterate.
     pub(super) struct Iterative {
-        linear_tolerance: Real = 1e-3, "relative residual at which an iterative linear solver is done";
+        linear_tolerance: Real = 1e-3 in Between(ROUNDING, 1.0),
+            "relative residual at which an iterative linear solver is done";
         linear_iterations: u32 = 1000 in AtLeast(1.0), "most iterations of an iterative linear solver";
     }
     /// Of all of them.

@@ -15,7 +15,7 @@ crate::settings! {
     pub(super) struct Pbd {
         iterations: u32 = 20 in AtLeast(1.0), "sweeps per substep";
         substeps: Or<Substeps, u32> = 1 in AtLeast(1.0),
-            "parts of a step, or auto (what run takes): as many as xpbd takes for its strain, fewer by the root of the \
+            "parts of a step, or auto (studies take 1): as many as xpbd takes for its strain, fewer by the root of the \
              iterations";
         projection: Or<Material, Real> = "material" in Within(0.0, 1.0),
             "stiffness of the projections: material (one constraint alone shows its k), or a number";
@@ -26,7 +26,7 @@ crate::settings! {
     pub(super) struct Xpbd {
         iterations: u32 = 1 in AtLeast(1.0), "sweeps per substep";
         substeps: Or<Substeps, u32> = "published" in AtLeast(1.0),
-            "parts of a step: a number, published (20), or auto (what run takes): as many as leave no more than the \
+            "parts of a step: a number, published (20, in some studies), or auto: as many as leave no more than the \
              given strain on this mesh, with this step and fall";
         precision: Precision = "double",
             "of the sweeps: double, or single (springs and quadratic bending, coloured sweeps as they are)";

@@ -65,7 +65,7 @@ pub struct EnergyGain {
     pub step: u32,
     /// Kinetic energy after it (J).
     pub kinetic: Real,
-    /// The most that the cloth had been given until then (J).
+    /// What the cloth had been given until then, less what it has spent on the way, as on gravity (J).
     pub given: Real,
 }
 
@@ -78,7 +78,7 @@ impl fmt::Display for EnergyGain {
         } = self;
         write!(
             f,
-            "energy from nowhere: after step {step} the cloth moves with {kinetic:.3e} J, though its start, gravity, pins, bodies and air had given it {given:.3e} J at most"
+            "energy from nowhere: after step {step} the cloth moves with {kinetic:.3e} J, though its start, gravity, pins, bodies and air had given it {given:.3e} J by then"
         )
     }
 }
@@ -284,7 +284,7 @@ impl EnergyBalance {
             let now = gains.then_some(EnergyGain {
                 step: self.steps + 1,
                 kinetic,
-                given: self.entries.most_given,
+                given,
             });
             let before = std::mem::replace(&mut self.entries.suspicion, now);
             self.entries.gain = now.and(before);

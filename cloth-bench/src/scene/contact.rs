@@ -27,7 +27,7 @@ crate::settings! {
             "how contact acts: potential (an energy that implicit methods and pd minimise along, and constraints in \
              every substep of explicit methods, xpbd and pbd) or none";
         collides as "self": bool = "no", "whether the cloth can touch itself: yes or no";
-        contact_stiffness: Or<Auto, Real> = "auto" "Pa/m" in Above(0.0),
+        contact_stiffness: Or<Auto, Real> = "auto" "Pa/m" in Between(0.0, STIFFEST),
             "stiffness of contact=potential: pressure per m that is missing to the thickness; auto: 1e6, or where a \
              body that the cloth pushes is heavier, so much that cloth carries it at two thirds of the thickness h: \
              3 p/h, with the pressure p of its weight on the smallest side of the box around it";
@@ -52,6 +52,9 @@ const THINNEST: Real = 1e-6;
 /// The thickness of cloth (m) unless edges are short.
 const USUAL_THICKNESS: Real = 2e-3;
 
+/// A stiffness of contact (Pa/m) at which a coordinate of 1 m, in double precision, is off by as much (1e-16 m) as a
+/// tenth of a Pa, where cloth weighs 2 Pa: from 1e18 on methods that minimise make energy of that.
+const STIFFEST: Real = 1e15;
 /// The stiffness of contact (Pa/m) unless bodies are heavy.
 const USUAL_STIFFNESS: Real = 1e6;
 

@@ -14,6 +14,9 @@ use cloth_core::topology::{EdgeTable, components};
 const LONGEST_STEP: Real = 0.5;
 const LARGEST_FROM_FILE: Real = 20.0;
 const LARGEST_CLOTH: Real = 200.0;
+/// The same of cloth that is small (m), and of gravity (m/s²).
+const SMALLEST_CLOTH: Real = 5e-3;
+const STRONGEST_GRAVITY: Real = 100.0;
 /// A vertex no deeper than so many thicknesses is on the surface and not below it, but for rounding.
 const ON_SURFACE: Real = 1e-9;
 
@@ -137,7 +140,17 @@ impl Scene {
                  centimetres, scale = 0.001 of millimetres)"
             )
         });
-        step.into_iter().chain(size)
+        let small = sizes.filter(|size| *size < SMALLEST_CLOTH).map(|size| {
+            format!(
+                "the cloth is {:.2} mm across: lengths are in metres (scale = 10 makes them of decimetres, scale = 1000 \
+                 of kilometres)",
+                1e3 * size
+            )
+        });
+        let gravity = self.gravity.norm();
+        let strong = (gravity > STRONGEST_GRAVITY)
+            .then(|| format!("gravity is {gravity} m/s²: on Earth it is 9.81 m/s², 9810 mm/s²"));
+        [step, size, small, strong].into_iter().flatten()
     }
 
     /// The number of a vertex in the caller's mesh.
@@ -164,11 +177,26 @@ impl Scene {
         let named = |touch: &ContactSetup| body.map(|body| touch.body_name(body));
         let other = self.touch.as_ref().and_then(named);
         let other = other.unwrap_or_else(|| "the cloth itself".into());
-        BenchError::Failed(format!(
-            "step {step}: {pairs} pairs of triangles pass through each other at its start, the first of them that with \
-             the vertices {a}, {b} and {c} of the cloth, and one of {other}; move them apart, hold the vertices that \
-             are to stay in a body, or have them pulled apart (untangle=yes)"
-        ))
+        let advice = match body.is_none() && self.border_warning().is_some() {
+            true => {
+                "some of its border vertices lie on others without being one with them: weld = 0 makes those of one \
+                 [[mesh]] one, and two [[mesh]] need a [[seam]], or a distance from each other"
+            }
+            false => {
+                "move them apart, hold the vertices that are to stay in a body, or have them pulled apart \
+                 (untangle=yes)"
+            }
+        };
+        let message = format!(
+            "{}step {step}: {pairs} pairs of triangles pass through each other at its start, the first of them that \
+             with the vertices {a}, {b} and {c} of the cloth, and one of {other}; {advice}",
+            self.file
+        );
+        match step {
+            // The scene says where the cloth starts.
+            1 => BenchError::Usage(message),
+            _ => BenchError::Failed(message),
+        }
     }
 
     /// A sentence about held vertices in bodies, each with the number of its body in contact; none without any.

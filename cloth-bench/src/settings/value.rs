@@ -34,12 +34,17 @@ impl Range {
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        // Beyond these, zeros are not counted by eye.
+        let shown = |bound: Real| match bound == 0.0 || (1e-6..1e6).contains(&bound.abs()) {
+            true => bound.to_string(),
+            false => format!("{bound:e}"),
+        };
+        match *self {
             Self::Any => Ok(()),
-            Self::Above(bound) => write!(f, "above {bound}"),
-            Self::AtLeast(bound) => write!(f, "at least {bound}"),
-            Self::Within(least, most) => write!(f, "from {least} to {most}"),
-            Self::Between(low, high) => write!(f, "above {low} and below {high}"),
+            Self::Above(bound) => write!(f, "above {}", shown(bound)),
+            Self::AtLeast(bound) => write!(f, "at least {}", shown(bound)),
+            Self::Within(least, most) => write!(f, "from {} to {}", shown(least), shown(most)),
+            Self::Between(low, high) => write!(f, "above {} and below {}", shown(low), shown(high)),
         }
     }
 }
@@ -48,6 +53,11 @@ impl fmt::Display for Range {
 pub trait Value: Sized {
     /// What it has to be, for errors: `a finite number`; empty if it is one of a few names.
     const KIND: &'static str = "";
+
+    /// The same where its range is all that there are.
+    const OF_ANY_SIZE: &'static str = Self::KIND;
+    /// Whether it can be left out by `none`.
+    const CAN_BE_NONE: bool = false;
 
     /// Reads a value.
     fn read(value: &DeValue<'_>) -> Option<Self>;
@@ -90,6 +100,7 @@ impl Value for Real {
 
 impl Value for u32 {
     const KIND: &'static str = "a whole number";
+    const OF_ANY_SIZE: &'static str = "a whole number from 0 to 4294967295";
 
     fn read(value: &DeValue<'_>) -> Option<Self> {
         match value {
@@ -182,6 +193,8 @@ impl Value for Factors {
 /// `none`, or a value. Where nothing is given it is none too, whatever the default says: that is for readers then.
 impl<T: Value> Value for Option<T> {
     const KIND: &'static str = T::KIND;
+    const OF_ANY_SIZE: &'static str = T::OF_ANY_SIZE;
+    const CAN_BE_NONE: bool = true;
 
     fn read(value: &DeValue<'_>) -> Option<Self> {
         match value.as_str() {
@@ -214,6 +227,7 @@ pub enum Or<W, T> {
 
 impl<W: Choice, T: Value> Value for Or<W, T> {
     const KIND: &'static str = T::KIND;
+    const OF_ANY_SIZE: &'static str = T::OF_ANY_SIZE;
 
     fn read(value: &DeValue<'_>) -> Option<Self> {
         let word = W::read(value).map(Self::Word);
@@ -228,7 +242,9 @@ impl<W: Choice, T: Value> Value for Or<W, T> {
     }
 
     fn names() -> Vec<&'static str> {
-        [T::names(), <W as Value>::names()].concat()
+        let none = ["none"].into_iter().filter(|_| T::CAN_BE_NONE);
+        let own = T::names().into_iter().chain(none);
+        own.chain(<W as Value>::names()).collect()
     }
 }
 

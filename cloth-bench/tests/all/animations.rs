@@ -3,7 +3,7 @@
 use crate::scene_text::{scene, written};
 use cloth_bench::method::Method;
 use cloth_bench::run::{Plan, SeparationWatch, Solver, Summary, Watched, run_changing};
-use cloth_bench::scene::Scene;
+use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::obj;
@@ -21,12 +21,13 @@ pub(crate) fn shapes(name: &str, files: &[(&str, [[f64; 3]; 3])]) {
 
 /// A flat sheet of 1 m at the height of 1 m in no gravity, and an animation with a shape every 0.1 s.
 fn above(name: &str, more: &str) -> Scene {
-    scene(
-        name,
-        &format!(
-            "dt = 0.01\ngravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\n\
-             translate = [0, 0, 1]\n[[obstacle]]\nshape = \"animation\"\nfolder = \"{name}\"\ninterval = 0.1\n{more}"
-        ),
+    scene(name, &text(name, more))
+}
+
+fn text(name: &str, more: &str) -> String {
+    format!(
+        "dt = 0.01\ngravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\n\
+         translate = [0, 0, 1]\n[[obstacle]]\nshape = \"animation\"\nfolder = \"{name}\"\ninterval = 0.1\n{more}"
     )
 }
 
@@ -77,10 +78,8 @@ fn shapes_come_in_the_order_of_the_numbers_in_their_names() {
         "1.obj",
         "2.obj",
         "010.obj",
-        "10.obj",
         "11-b.obj",
         "100000000000000000000000000001.obj",
-        "body.obj",
         "body9_walk2.obj",
         "body9_walk10.obj",
         "body10_walk1.obj",
@@ -98,5 +97,51 @@ fn shapes_come_in_the_order_of_the_numbers_in_their_names() {
         let surfaces = scene.obstacle_surfaces(0.1 * k as f64);
         let height = surfaces[0].0[0].z;
         assert!((height - k as f64).abs() < 1e-12, "{name}: {height}");
+    }
+}
+
+/// Frames a second in the place of the time between two of them.
+#[test]
+fn intervals_of_seconds_are_told() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    shapes("slow", &[("0.obj", corners), ("1.obj", corners)]);
+    let slow = text("slow", "").replace("interval = 0.1", "interval = 24");
+    let hints = scene("slow-frames", &slow).hints;
+    let words = "slow-frames.toml: line 9: interval is 24 s from one shape to the next";
+    assert!(hints.iter().any(|hint| hint.contains(words)), "{hints:?}");
+    let hints = above("slow", "").hints;
+    assert!(
+        !hints.iter().any(|hint| hint.contains("interval")),
+        "{hints:?}"
+    );
+}
+
+/// Each of these folders has a file without a place among the others, which the error names.
+#[test]
+fn files_without_a_place_in_the_order_are_refused() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    for (files, words) in [
+        (
+            &["1.obj", "2.obj", "rest.obj"][..],
+            &["`rest.obj`", "`1.obj`"][..],
+        ),
+        (&["01.obj", "1.obj", "2.obj"], &["`01.obj` and `1.obj`"]),
+        (&["walk_1.obj", "walk_01.obj"], &["`walk_1.obj`"]),
+        (&[], &["folder `unordered`", "no OBJ or PLY file"]),
+        (&["a.obj", "b.obj"], &[]),
+    ] {
+        let files: Vec<_> = files.iter().map(|&file| (file, corners)).collect();
+        shapes("unordered", &files);
+        let path = written("unordered", &text("unordered", ""));
+        let built = file::build(&path, &Settings::default());
+        match (built, words) {
+            (Ok(_), []) => {}
+            (Ok(_), _) => panic!("{files:?}"),
+            (Err(error), words) => {
+                let told = error.to_string();
+                let all = [&["unordered.toml: line 8: "], words].concat();
+                assert!(all.iter().all(|word| told.contains(word)), "{told}");
+            }
+        }
     }
 }

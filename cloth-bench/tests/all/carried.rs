@@ -122,3 +122,26 @@ fn what_cannot_take_pins_along_is_refused() {
         "{error}"
     );
 }
+
+/// It would leave them behind; who wants that releases and grabs them.
+#[test]
+fn a_drag_of_what_a_body_takes_along_is_refused() {
+    let text = |events: &str| {
+        format!(
+            "[[mesh]]\ngenerator = \"grid:7x7:alternating\"\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\n\
+             position = [0, 0, -1]\n[[pins]]\nselect = \"corners\"\nobstacle = 0\n{events}"
+        )
+    };
+    let event =
+        |deed: &str| format!("[[event]]\ntime = 0.5\ndo = \"{deed}\"\nselect = \"corners\"\n");
+    let drag = event("drag") + "move = [0, 0, 1]\n";
+    let path = written("carried-dragged", &text(&drag));
+    let error = file::build(&path, &Settings::default()).unwrap_err();
+    let (error, words) = (
+        error.to_string(),
+        "line 10: [[event]]: at 0.5 s vertex 42 goes with obstacle 0",
+    );
+    assert!(error.contains(words), "{error}");
+    let released = [event("release"), event("grab"), drag].concat();
+    scene("carried-regrabbed", &text(&released));
+}

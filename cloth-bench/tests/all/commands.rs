@@ -58,3 +58,22 @@ fn a_picture_is_seen_from_where_one_wants() {
         );
     }
 }
+
+/// Studies take other numbers of substeps.
+#[test]
+fn list_shows_the_settings_that_run_takes() {
+    let told = program(&["list", "--json"]).stdout;
+    let told: serde_json::Value = serde_json::from_slice(&told).unwrap();
+    let default = |method: &str, key: &str| {
+        let named = |all: &serde_json::Value, name: &str| {
+            let mut all = all.as_array().unwrap().iter();
+            all.find(|entry| entry["name"] == name).unwrap().clone()
+        };
+        let method = named(&told["methods"], method);
+        named(&method["parameters"], key)["default"].clone()
+    };
+    for method in ["xpbd", "pbd"] {
+        assert_eq!(default(method, "substeps"), "auto");
+    }
+    assert_eq!(default("linear-implicit", "linear_tolerance"), "1e-8");
+}

@@ -502,3 +502,21 @@ fn what_is_held_as_a_whole_moves_with_no_energy() {
         assert!(object["energy_excess"].as_f64().unwrap() < 1e-9, "{method}");
     }
 }
+
+/// Cloth that has risen by what it was never given has less than nothing: the most that it had been given before may
+/// then be more than what it moves with.
+#[test]
+fn motion_from_nowhere_is_told_beside_what_was_given_by_then() {
+    let (code, object, _) = run("hang --n 17 --method implicit-midpoint --steps 60");
+    assert_eq!(code, 1);
+    let told = object["error"].as_str().unwrap();
+    let numbers = told.split(" J").filter_map(|part| part.rsplit(' ').next());
+    let numbers: Vec<f64> = numbers.filter_map(|number| number.parse().ok()).collect();
+    let [kinetic, given] = numbers[..] else {
+        panic!("{told}");
+    };
+    assert!(
+        kinetic > 2.0 * given && told.ends_with(" J by then"),
+        "{told}"
+    );
+}

@@ -86,7 +86,7 @@ fn crossing_triangles_are_named() {
         .replace("radius = 0.06", "radius = 0.02")
         .replace("0.5, 0, 1", "0.53, 0, 0.56");
     let (_, code, said) = run_text("cape-crossed", &between, "implicit-euler", &[]);
-    assert_eq!(code, 1, "{said}");
+    assert_eq!(code, 2, "{said}");
     for part in [
         "step 1:",
         "the vertices 60, ",

@@ -4,8 +4,9 @@ mod buckling;
 mod elastica;
 
 use crate::law::{detail, holds};
-use cloth_bench::laws::LAWS;
+use cloth_bench::laws::{LAWS, Law};
 use cloth_bench::method::METHODS;
+use cloth_bench::settings::Settings;
 
 #[test]
 fn every_law_holds_at_its_defaults() {
@@ -486,6 +487,20 @@ fn a_sheet_slides_if_the_tangent_of_the_slope_exceeds_the_friction() {
             assert_eq!(evaluation.expected > 0.0, slides, "{pairs:?}");
             assert_eq!(evaluation.measured > 1e-4, slides, "{pairs:?}");
         }
+    }
+}
+
+/// Angles between them would be those of the next whole edge.
+#[test]
+fn a_strip_goes_around_by_whole_edges() {
+    for (law, given, words) in [
+        ("capstan", "angle_deg=40", "give 33.75 or 45"),
+        ("pressure", "angle_deg=1", "give 0 or 11.25"),
+    ] {
+        let law = Law::find(law).unwrap();
+        let settings = Settings::parse(&[given]).unwrap();
+        let error = law.evaluate(&settings).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
     }
 }
 

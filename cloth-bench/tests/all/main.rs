@@ -41,6 +41,7 @@ mod method_tables;
 mod names;
 mod page;
 mod pinched;
+mod places;
 mod poles;
 #[path = "../support/program.rs"]
 mod program;

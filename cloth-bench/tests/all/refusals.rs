@@ -175,6 +175,20 @@ fn values_out_of_range_are_refused_by_name() {
     run(&["--set", "stiffness=-5"], &["stiffness", "-5"]);
     run(&["--set", "projection=1.5"], &["1.5"]);
     run(&["--set", "n"], &["key=value"]);
+    refused(
+        &[
+            "run",
+            "hang",
+            "--method",
+            "implicit-euler",
+            "--set",
+            "linear=conjugate-gradients",
+            "--set",
+            "linear_tolerance=1e-300",
+        ],
+        2,
+        &["linear_tolerance is `1e-300`", "above 1e-16 and below 1"],
+    );
     run(&["--mesh", "disk:3"], &["n shapes", "--mesh"]);
     run(&["--threads", "0"], &["--threads", "1 to"]);
     run(&["--threads", "100000"], &["--threads", "1 to"]);

@@ -168,6 +168,17 @@ fn numbers_in_other_units_are_told() {
         "lengths are in metres"
     ));
     assert!(says("large-cloth-of-a-file", &file("1.05"), across));
+    let small = |scale: &str| format!("{SHEET}scale = {scale}\n[[pins]]\nselect = \"corners\"\n");
+    let across = "the cloth is 0.85 mm across: lengths are in metres";
+    assert!(says("small-cloth", &small("6e-4"), across));
+    assert!(!says("hand-width", &small("4e-3"), "lengths are in metres"));
+    let pulled = |down: f64| format!("gravity = [0, 0, -{down}]\n{held}");
+    assert!(says(
+        "gravity-in-mm",
+        &pulled(9810.0),
+        "gravity is 9810 m/s²"
+    ));
+    assert!(!says("strong-gravity", &pulled(99.0), "gravity is"));
     let slow = |dt: &str| format!("dt = {dt}\n{held}");
     assert!(!says("long-step", &slow("0.5"), "dt is in seconds"));
     assert!(says("longer-step", &slow("16"), "dt = 16 s is longer"));

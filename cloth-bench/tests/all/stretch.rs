@@ -76,3 +76,25 @@ fn a_pressure_that_no_membrane_holds_is_told_or_ends_the_run() {
     );
     assert!(said.contains(held), "{said}");
 }
+
+/// Whoever has given a number of substeps may have tried more before, and is not sent on and on.
+#[test]
+fn more_substeps_are_proposed_to_those_who_gave_none() {
+    let said = |substeps: &str| {
+        let substeps = format!("substeps={substeps}");
+        let run = [
+            "run", "hang", "--n", "33", "--steps", "30", "--method", "xpbd", "--set", &substeps,
+        ];
+        String::from_utf8(program(&run).stderr).unwrap()
+    };
+    let [published, given] = ["published", "5"].map(said);
+    assert!(
+        published.contains("see what `--set substeps=80` makes of it"),
+        "{published}"
+    );
+    assert!(
+        given.contains("what more substeps do not change is the cloth's own"),
+        "{given}"
+    );
+    assert!(!given.contains("--set substeps"), "{given}");
+}

@@ -88,7 +88,7 @@ fn tangled_start_is_refused_unless_it_shall_be_pulled_apart() {
         "3",
     ]);
     let said = String::from_utf8(out.stderr).unwrap();
-    assert_eq!(out.status.code(), Some(1), "{said}");
+    assert_eq!(out.status.code(), Some(2), "{said}");
     assert!(said.contains("pass through each other"), "{said}");
     let path = written("given-up", &layers("untangle = true\n"));
     let arguments = [

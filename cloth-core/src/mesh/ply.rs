@@ -261,7 +261,22 @@ impl Source {
             ) => self.vertex_places.get(*vertex),
             _ => None,
         };
-        MeshFileError::new(place.copied(), PlyProblem::Mesh { face, error })
+        let first = |triangle: usize| {
+            let face = self.face_of_triangle[triangle];
+            (face, self.face_places[face])
+        };
+        let problem = match (face, error) {
+            (Some(face), MeshError::DuplicateTriangle { first: other, .. }) => {
+                let first = first(other);
+                PlyProblem::DuplicateFace { face, first }
+            }
+            (Some(face), MeshError::NonManifoldEdge { ends, triangles }) => {
+                let first = [first(triangles[0]), first(triangles[1])];
+                PlyProblem::NonManifoldEdge { face, ends, first }
+            }
+            (face, error) => PlyProblem::Mesh { face, error },
+        };
+        MeshFileError::new(place.copied(), problem)
     }
 }
 

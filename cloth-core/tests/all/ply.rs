@@ -271,12 +271,12 @@ fn every_mistake_names_its_line() {
         (
             16,
             "3 2 1 0",
-            "line 16: face 1: triangles 0 and 1 have the same three vertices",
+            "line 16: face 1 has the same three vertices as face 0 (line 15): remove one of the two",
         ),
         (
             16,
             "4 0 1 2 3",
-            "line 16: face 1: triangles 0 and 1 have the same three vertices",
+            "line 16: face 1 has the same three vertices as face 0 (line 15): remove one of the two",
         ),
         (
             16,
@@ -307,7 +307,8 @@ fn every_mistake_names_its_line() {
     let third = third.replace("4 0 2 1 3", "3 0 2 4");
     assert_eq!(
         message(third),
-        "line 18: face 2: the edge between vertices 0 and 2 is not manifold: triangles 0, 1 and 2 meet there"
+        "line 18: the edge between vertices 0 and 2 of face 2 belongs to faces 0 (line 16) and 1 (line 17) already: of \
+         the sheets that meet in it, give all but two vertices of their own there"
     );
     assert_eq!(
         message(""),

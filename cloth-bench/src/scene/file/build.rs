@@ -1,7 +1,9 @@
 //! From the text of a file to a [`Scene`].
 
 use super::document::{Document, Section};
-use super::keys::{MESH_CLOTH, MESH_CONTACT, MESH_SOLID, Obstacle, SECTIONS, Top, overrulable};
+use super::keys::{
+    Link, MESH_CLOTH, MESH_CONTACT, MESH_SOLID, Obstacle, SECTIONS, Top, overrulable,
+};
 use super::material::Material;
 use super::selection::Pieces;
 use super::{
@@ -10,6 +12,7 @@ use super::{
 };
 use crate::bounds::bounds;
 use crate::error::BenchError;
+use crate::scene::cloth::{self, Stiffness};
 use crate::scene::contact::{ContactSetup, Surface};
 use crate::scene::{HeldMotion, Scene, build as built_in};
 use crate::settings::{Settings, Table};
@@ -48,7 +51,10 @@ pub(crate) fn build_text(
     settings.check(&format!("scene `{}`", path.display()), &overrulable())?;
     let document = Document { path, text };
     let root = DeTable::parse(text).map_err(|error| match error.span() {
-        Some(span) => document.refuse(span, error.message()),
+        Some(span) => document.refuse(
+            span.clone(),
+            document.of_syntax(error.message(), span.start),
+        ),
         None => document.refuse_whole(error.message()),
     })?;
     let sections = Sections::find(document, root.get_ref())?;
@@ -187,6 +193,7 @@ impl<'a> Sections<'a> {
             dt: top.dt.unwrap_or(scene.dt),
             steps: top.steps.unwrap_or(scene.steps),
             methods: self.methods.clone(),
+            file: format!("{}: ", self.document.path.display()),
             ..scene
         };
         scene.hints.extend(hints::of_rotations([
@@ -195,6 +202,7 @@ impl<'a> Sections<'a> {
             &self.pins,
             &self.events,
         ])?);
+        scene.hints.extend(hints::of_intervals(&self.obstacles)?);
         scene.event_times = hints::event_times([
             &self.events,
             &self.pins,
@@ -324,13 +332,18 @@ impl<'a> Sections<'a> {
         let timed = holds.iter().filter(|hold| hold.is_timed());
         let timed: Vec<usize> = timed.flat_map(|hold| hold.vertices.clone()).collect();
         let mut touch = self.touch(&contact, &mesh, folder, gravity)?;
-        let mut carried = Vec::new();
+        let mut taken_along = Vec::new();
         for (section, hold) in self.pins.iter().zip(holds) {
             hold.check(section, &touch)?;
             let (model, ways) = (&mut model, &mut ways);
-            carried.extend(hold.apply(section, &positions, model, ways, &mut changes)?);
+            taken_along.extend(hold.apply(section, &positions, model, ways, &mut changes)?);
         }
-        let known = (&model.particles, &timed[..]);
+        let of_body = |(vertices, body): &(Vec<usize>, usize)| {
+            let body = *body;
+            vertices.clone().into_iter().map(move |v| (v, body))
+        };
+        let carried: Vec<_> = taken_along.iter().flat_map(of_body).collect();
+        let known = (&model.particles, &timed[..], &carried[..]);
         changes.extend(event::changes(&self.events, grasped, known, name)?);
         for (section, vertices) in self.forces.iter().zip(pushed) {
             let push = force::push(section, vertices, &model.particles, &changes)?;
@@ -359,11 +372,12 @@ impl<'a> Sections<'a> {
             gases,
             volumes,
             hints,
+            hard_place: self.hard_place(&cloth)?,
             ..built_in::of_mesh("", &mesh, model, gravity)
         };
         scene.start.positions = positions;
         start::apply(&self.start, &mut scene)?;
-        for (vertices, body) in carried {
+        for (vertices, body) in taken_along {
             let start = scene.start.clone();
             scene.hold(&vertices, HeldMotion::With(body), &start)?;
         }
@@ -373,6 +387,26 @@ impl<'a> Sections<'a> {
         }
         scene.changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(scene)
+    }
+
+    /// Where the first hard constraints stand, as errors begin.
+    fn hard_place(&self, cloth: &Settings) -> Result<String, BenchError> {
+        if cloth::is_hard(cloth)? {
+            return Ok(Stiffness::read(cloth)?.stiffness.place().to_owned());
+        }
+        let pieces = self.materials.iter().flatten();
+        for section in pieces {
+            let own = section.read::<Stiffness>()?.stiffness;
+            if own.number().is_infinite() {
+                return Ok(own.place().to_owned());
+            }
+        }
+        for section in &self.links {
+            if section.read::<Link>()?.stiffness.number().is_infinite() {
+                return Ok(section.place());
+            }
+        }
+        Ok(String::new())
     }
 
     /// What the cloth can touch.

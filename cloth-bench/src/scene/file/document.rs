@@ -4,6 +4,7 @@ use super::keys::{SECTIONS, SectionInfo};
 use crate::error::BenchError;
 use crate::names;
 use crate::settings::{Settings, Table};
+use cloth_core::math::Real;
 use std::fmt::Display;
 use std::ops::Range;
 use std::path::Path;
@@ -28,6 +29,25 @@ impl Document<'_> {
     /// What is wrong with the bytes of `span`.
     pub(super) fn refuse(&self, span: Range<usize>, message: impl Display) -> BenchError {
         BenchError::Usage(format!("{}{message}", self.place(span)))
+    }
+
+    /// What a reader of TOML says of the byte `at`, with the line that it is about.
+    pub(super) fn of_syntax(&self, message: &str, at: usize) -> String {
+        let before = self.text.get(..at).unwrap_or(self.text);
+        let start = before.rfind('\n').map_or(0, |end| end + 1);
+        let line = self.text[start..].lines().next().unwrap_or_default().trim();
+        let code = line.split('#').next().unwrap_or_default();
+        let value = code.split_once('=').map_or("", |(_, value)| value);
+        let parts = value.split('/').map(|part| part.trim().parse());
+        let numbers: Vec<Real> = parts.collect::<Result<_, _>>().unwrap_or_default();
+        match numbers[..] {
+            [over, under] => format!(
+                "`{line}`: a number is no fraction in TOML, but {}",
+                over / under
+            ),
+            _ if line.is_empty() => message.to_owned(),
+            _ => format!("{message}: `{line}`"),
+        }
     }
 
     /// What is wrong with the file as a whole.

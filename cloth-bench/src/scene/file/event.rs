@@ -41,11 +41,12 @@ pub(super) fn refuse_motion(section: &Section<'_>, there: &str) -> Result<(), Be
 }
 
 /// What the events do to these vertices, in the order of their times. Pins hold the prescribed ones for ever, and those
-/// of `timed` otherwise; `name` has the caller's number of a vertex.
+/// of `timed` otherwise; of the former a body takes the `carried` ones along, each with its number. `name` has the
+/// caller's number of a vertex.
 pub(super) fn changes(
     sections: &[Section<'_>],
     vertices: Vec<Vec<usize>>,
-    (particles, timed): (&Particles, &[usize]),
+    (particles, timed, carried): (&Particles, &[usize], &[(usize, usize)]),
     name: impl Fn(usize) -> usize,
 ) -> Result<Vec<Change>, BenchError> {
     let mut events = Vec::new();
@@ -70,16 +71,25 @@ pub(super) fn changes(
     let mut is_held: Vec<bool> = (0..particles.len())
         .map(|v| particles.is_prescribed(v))
         .collect();
+    let mut body_of: Vec<Option<usize>> = vec![None; particles.len()];
+    for &(vertex, body) in carried {
+        body_of[vertex] = Some(body);
+    }
     let mut changes = Vec::new();
     for (time, deed, section, vertices) in events {
         for &v in &vertices {
             let wrong = if timed.contains(&v) {
-                "is held by [[pins]] for some time or by a spring"
+                "is held by [[pins]] for some time or by a spring".into()
             } else if deed == Deed::Grab && is_held[v] {
-                "is held already"
+                "is held already".into()
             } else if deed != Deed::Grab && !is_held[v] {
-                "is not held"
+                "is not held".into()
+            } else if let (Deed::Drag, Some(body)) = (deed, body_of[v]) {
+                format!(
+                    "goes with obstacle {body}, and a drag would take it off: release and grab it instead"
+                )
             } else {
+                body_of[v] = body_of[v].filter(|_| deed != Deed::Release);
                 is_held[v] = deed != Deed::Release;
                 continue;
             };

@@ -75,6 +75,24 @@ pub(super) fn event_times(
     Ok(times)
 }
 
+/// Of animations with more than a second between two shapes.
+pub(super) fn of_intervals(obstacles: &[Section<'_>]) -> Result<Vec<String>, BenchError> {
+    /// As long (s).
+    const LONG: Real = 1.0;
+    let mut hints = Vec::new();
+    for section in obstacles {
+        let interval = section.read::<Obstacle>()?.interval;
+        if let Some(long) = interval.filter(|seconds| *seconds > LONG) {
+            hints.push(format!(
+                "{}interval is {long} s from one shape to the next: {long} shapes a second are an interval of {:.4}",
+                interval.place(),
+                1.0 / long
+            ));
+        }
+    }
+    Ok(hints)
+}
+
 /// Of a cloth that is hundreds of times as large as all bodies.
 pub(super) fn of_sizes(scene: &Scene) -> Option<String> {
     /// So many times.

@@ -17,6 +17,10 @@ pub struct SectionInfo {
     pub keys: &'static [&'static [Parameter]],
 }
 
+/// Lengths (m), masses (kg) and densities (kg/m³) from here on are slips of the pen: a run ends where a coordinate is
+/// beyond it, and products of far larger ones are no numbers.
+const MOST: Real = 1e9;
+
 crate::settings! {
     /// Before all tables.
     pub(super) struct Top {
@@ -39,7 +43,7 @@ crate::settings! {
     pub(super) struct Piece {
         rotate: Option<Vec3> = "[0, 0, 0]" "rad",
             "rotation about the origin: its direction is the axis, its length the angle";
-        translate: Option<Vec3> = "[0, 0, 0]" "m", "shift, last of all";
+        translate: Option<Vec3> = "[0, 0, 0]" "m" in Within(-MOST, MOST), "shift, last of all";
         weld: Option<Real> = "none" "m" in AtLeast(0.0),
             "vertices no farther from each other, after the scale, become the one with the lowest number; those \
              after it move up";
@@ -52,7 +56,7 @@ crate::settings! {
     }
     /// Of a solid.
     pub(super) struct SolidTable {
-        density: Real = 1000 "kg/m³" in Above(0.0), "of the solid; 1000 as water";
+        density: Real = 1000 "kg/m³" in Between(0.0, MOST), "of the solid; 1000 as water";
         modulus: Real = 1e5 "Pa" in AtLeast(0.0), "Young's modulus E; 1e4 to 1e6 for foam, jelly and soft rubber";
         poisson: Real = 0 in Within(0.0, MOST_POISSON),
             "Poisson's ratio ν; with another one than 0 pd cannot take it, and beyond 0.4 a coarse solid is too stiff";
@@ -115,7 +119,7 @@ crate::settings! {
     }
     /// Of a `[[mass]]`.
     pub(super) struct Mass {
-        mass: Option<Real> = "needed" "kg" in Above(0.0),
+        mass: Option<Real> = "needed" "kg" in Between(0.0, MOST),
             "of all the chosen vertices together, spread over them evenly";
     }
     /// Of a `[[force]]`.
@@ -173,18 +177,18 @@ crate::settings! {
             "\"sphere\", \"box\", \"capsule\" (along its own z), \"plane\" (up along its own z), \"mesh\" (closed; an \
              open one, or one through itself, has no inside: its triangles alone keep the cloth on the side where it \
              is) or \"animation\" (open or closed, moved by its files)";
-        radius: Option<Real> = "needed" "m" in Above(0.0), "of a sphere or a capsule";
-        size: Option<Vec3> = "needed" "m" in Above(0.0), "the three edges of a box";
-        length: Option<Real> = "needed" "m" in AtLeast(0.0), "of the straight part of a capsule";
+        radius: Option<Real> = "needed" "m" in Between(0.0, MOST), "of a sphere or a capsule";
+        size: Option<Vec3> = "needed" "m" in Between(0.0, MOST), "the three edges of a box";
+        length: Option<Real> = "needed" "m" in Within(0.0, MOST), "of the straight part of a capsule";
         folder: Option<String> = "needed",
             "of an animation: OBJ or PLY files in m with the same triangles, one shape each, in the order of the \
-             numbers in their names (2.obj before 10.obj)";
+             numbers in their names (2.obj before 10.obj), all of which have one, or none, and then by name";
         interval: Option<Real> = "1/60" "s" in Above(0.0),
             "time between two shapes of an animation; vertices go straight in between";
         sampled: Option<Real> = "none" "m" in Above(0.0),
             "of a mesh: spacing of a grid in which its signed distance is looked up, a quarter of a spacing off at edges; none: \
              it is exact";
-        position: Option<Vec3> = "[0, 0, 0]" "m", "of the middle, or of a point on a plane, at the start";
+        position: Option<Vec3> = "[0, 0, 0]" "m" in Within(-MOST, MOST), "of the middle, or of a point on a plane, at the start";
         rotate: Option<Vec3> = "[0, 0, 0]" "rad",
             "rotation about the origin: its direction is the axis, its length the angle";
         velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "constant, or with a density or a mass at the start";
@@ -195,12 +199,12 @@ crate::settings! {
         released: Option<Real> = "none" "s" in AtLeast(0.0),
             "of a body with a density or a mass: when it is let go, from rest; until then it stays where it is, \
              whatever pushes it; none: it is free from the start";
-        density: Option<Real> = "none" "kg/m³" in Above(0.0),
+        density: Option<Real> = "none" "kg/m³" in Between(0.0, MOST),
             "of a body that gravity pulls and the cloth pushes; none: it keeps its velocities, whatever pushes it. It \
              stops, without a rebound and with friction, before held vertices and before other bodies, but for \
              animations; other bodies pass through each other. A run cuts a step into parts that are short enough for \
              the contact of the body";
-        mass: Option<Real> = "none" "kg" in Above(0.0), "the same body by its mass: give this or a density";
+        mass: Option<Real> = "none" "kg" in Between(0.0, MOST), "the same body by its mass: give this or a density";
         inertia: Option<Vec3> = "none" "kg·m²" in Above(0.0),
             "of such a body about its centre of mass, along the axes of its shape; none: that of a shape which is \
              filled evenly, about its own centre of mass";

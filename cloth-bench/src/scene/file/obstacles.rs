@@ -3,7 +3,7 @@
 use super::document::Section;
 use super::keys::{self, Shape, Source};
 use super::mesh;
-use super::natural_order::natural_key;
+use super::natural_order;
 use crate::error::BenchError;
 use crate::scene::contact::{Body, splits};
 use crate::scene::touching;
@@ -72,12 +72,15 @@ fn animated(
     let mut files: Vec<PathBuf> = Vec::new();
     for entry in entries {
         let path = entry.map_err(|error| wrong(&error))?.path();
-        let kind = path.extension().and_then(|kind| kind.to_str());
-        if matches!(kind, Some("obj" | "ply")) {
+        let is = |kind: &str| {
+            path.extension()
+                .is_some_and(|end| end.eq_ignore_ascii_case(kind))
+        };
+        if is("obj") || is("ply") {
             files.push(path);
         }
     }
-    files.sort_by_cached_key(|file| natural_key(file));
+    natural_order::sort(&mut files).map_err(|error| wrong(&format!("folder `{name}`: {error}")))?;
     let pose = motion(own).pose;
     let mut first: Option<TriMesh> = None;
     let mut shapes = Vec::new();
@@ -94,7 +97,8 @@ fn animated(
         }
     }
     let Some(mesh) = first else {
-        return Err(wrong(&"has no OBJ or PLY file"));
+        let message = format!("folder `{name}` has no OBJ or PLY file");
+        return Err(wrong(&message));
     };
     let interval = own.interval.unwrap_or(1.0 / 60.0);
     let animation = AnimatedMesh::new(shapes, interval).map_err(|error| wrong(&error))?;
@@ -126,7 +130,7 @@ fn rigid(
             let edges = *needed(&own.size)?;
             let half = edges / 2.0;
             let body = Cuboid::new(half).map_err(|error| own.size.refuse(error))?;
-            let surface = generate::cuboid(half.into()).map_err(BenchError::failed)?;
+            let surface = drawn(section, generate::cuboid(half.into()))?;
             let of = |density| RigidBody::cuboid(density, half, gravity);
             around_centre(section, own, body, surface, motion, of)
         }

@@ -1,6 +1,6 @@
 //! What can be wrong with a PLY file.
 
-use super::MeshError;
+use super::{MeshError, Place};
 use std::fmt;
 
 /// What is wrong with a PLY file. Vertices and faces are counted from 0 here, as in the file.
@@ -62,7 +62,23 @@ pub enum PlyProblem {
         /// How many vertices there are.
         vertex_count: u64,
     },
-    /// What the file describes is no usable mesh.
+    /// A face has the same three vertices as an earlier one.
+    DuplicateFace {
+        /// The face.
+        face: usize,
+        /// The earlier one, and its place.
+        first: (usize, Place),
+    },
+    /// A face is the third one at an edge.
+    NonManifoldEdge {
+        /// The face.
+        face: usize,
+        /// The two vertices of the edge.
+        ends: [u32; 2],
+        /// Two faces that meet there already, and their places.
+        first: [(usize, Place); 2],
+    },
+    /// What the file describes is no usable mesh for another reason.
     Mesh {
         /// The face of the file, if it is about one. Triangles in the error are counted after
         /// polygons have been cut.
@@ -111,6 +127,22 @@ impl fmt::Display for PlyProblem {
             } => write!(
                 f,
                 "the face names vertex {index}, but there are only {vertex_count} vertices, counted from 0"
+            ),
+            Self::DuplicateFace {
+                face,
+                first: (first, place),
+            } => write!(
+                f,
+                "face {face} has the same three vertices as face {first} ({place}): remove one of the two"
+            ),
+            Self::NonManifoldEdge {
+                face,
+                ends: [a, b],
+                first: [(first, at_first), (second, at_second)],
+            } => write!(
+                f,
+                "the edge between vertices {a} and {b} of face {face} belongs to faces {first} ({at_first}) and {second} \
+                 ({at_second}) already: of the sheets that meet in it, give all but two vertices of their own there"
             ),
             Self::Mesh {
                 face: Some(face),
