@@ -257,9 +257,10 @@
 //!
 //! Pairs of bodies, and of a body with prescribed cloth, are left out: a body that nothing pushes may pass through
 //! itself and others, and prescribed cloth may be inside of one. A triangle with a prescribed corner that crosses a
-//! body at the start of a step passes through it, as nothing could part the two: a flag in its pole. Once the corner is
-//! out, and nothing crosses there, contact is what it was ([`PotentialContacts::prescribed_inside`]). Prescribed parts
-//! of the cloth that cross each other are an error.
+//! body at the start of a step passes through it, as nothing could part the two: a flag in its pole. So does one whose
+//! prescribed corner is within h/10 of a body with a signed distance: a cape on a shoulder. Once the corner is out, and
+//! nothing crosses there, contact is what it was ([`PotentialContacts::prescribed_inside`]). Prescribed parts of the
+//! cloth that cross each other are an error.
 //!
 //! # Which step for which speed
 //!
@@ -268,7 +269,7 @@
 //!
 //! | method | what bounds the step | what tells |
 //! |---|---|---|
-//! | those that minimise | no stability. A path is followed by 10 h an iteration, so it takes u Δt/(10 h) of them at least: 17 for 10 m/s, 1/60 s and 1 mm. Friction is that of the step before. | `Outcome::BudgetSpent` and the residual |
+//! | those that minimise | no stability. A path is followed by 5 h an iteration, so it takes u Δt/(5 h) of them at least: 34 for 10 m/s, 1/60 s and 1 mm. Friction is that of the step before. | `Outcome::BudgetSpent` and the residual |
 //! | XPBD, PBD, by substeps | u Δt < l. Normals and nearest points are those of the start of the substep. What slides farther is over other triangles, whose pairs are only tested, and repaired at the end. From 30 l on nothing but the last resort is left. | `violated`, `shortened` and `zones` of [`ConstraintReport`] |
 //! | explicit, by substeps | its own stable step, which is of the order of l over the speed of sound in the cloth. κ does not shorten it: contact is a constraint with a compliance, so implicit. | the same |
 //! | with bodies that the cloth pushes | Δt < 2/Ω by [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency); a method that minimises, a push of less than h | [`PotentialContacts::largest_push`] |
