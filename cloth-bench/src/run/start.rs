@@ -6,7 +6,6 @@ use cloth_core::math::Real;
 
 impl Summary {
     /// A sentence about a start nearer than the thickness, if contact throws the cloth away from there.
-    #[must_use]
     pub fn start_warning(&self) -> Option<String> {
         self.start_lift.map(|lift| {
             format!(

@@ -428,7 +428,6 @@ impl ContactSetup {
     }
 
     /// What counts crossings and measures distances of the cloth `mesh`.
-    #[must_use]
     pub fn separation_probe(&self, mesh: &TriMesh) -> SeparationProbe {
         let probe = SeparationProbe::new(mesh);
         match &self.pieces {
@@ -445,7 +444,6 @@ impl ContactSetup {
     }
 
     /// Whether the cloth can push the obstacle of this number.
-    #[must_use]
     pub fn is_free(&self, number: usize) -> bool {
         self.free.iter().any(|(free, _)| *free == number)
     }
@@ -457,7 +455,6 @@ impl ContactSetup {
 
     /// Into how many equal parts a step of `dt` (s) is cut, so that each resolves the frequency of every body that the
     /// cloth can push on its contact: none is longer than 1/Ω, half of what is stable.
-    #[must_use]
     pub(super) fn parts(&self, dt: Real) -> u32 {
         /// More parts are a slip of the pen.
         const MOST: Real = 1e4;
@@ -469,7 +466,6 @@ impl ContactSetup {
 
     /// Numbers of the bodies in the scene, from 0: of the obstacles in their order, then of the animated surfaces, as
     /// [`ContactForces`](cloth_collide::potential::ContactForces) has them.
-    #[must_use]
     pub fn body_numbers(&self) -> &[usize] {
         &self.numbers
     }

@@ -54,7 +54,6 @@ fn highest(positions: &[Vec3], up: Vec3) -> Vec<usize> {
 
 /// The two vertices that lie farthest out in the two diagonal directions on one side of the sheet: where up is z on
 /// that of the largest y, where it is y on that of the smallest z, and where it is x on that of the largest z.
-#[must_use]
 pub fn corners(positions: &[Vec3], up: Vec3) -> Vec<usize> {
     let across = if up.x.abs() > 0.5 {
         Vec3::y()

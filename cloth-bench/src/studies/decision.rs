@@ -133,7 +133,6 @@ fn data(rows: &[Row]) -> Table {
 
 /// The numbers as a reader wants them, judged; a method that `foretold` why it fails has a line of its own, with the
 /// memory (B) that it takes.
-#[must_use]
 pub fn shown(scope: Scope, rows: &[Row], foretold: &str, memory: Option<Real>) -> Table {
     let names = COLUMNS.iter().map(|column| column.head(scope));
     let mut table = Table::about("method", names);
@@ -183,7 +182,6 @@ fn fit(rows: &[Row]) -> Vec<&Row> {
 
 /// Which methods have nothing against them but their cost, which of these is best at what, and what is against the
 /// others.
-#[must_use]
 pub fn verdict(rows: &[Row]) -> String {
     let (fit, all) = (fit(rows), rows.iter().collect_vec());
     let unfit = all.iter().map(|row| (row.method, against(row, &all)));

@@ -24,7 +24,6 @@ pub struct BodySurface<'a> {
 
 impl BodySurface<'_> {
     /// `obstacle0`, `obstacle1`, …
-    #[must_use]
     pub fn name(&self) -> String {
         format!("obstacle{}", self.number)
     }
@@ -59,7 +58,6 @@ impl ContactSetup {
     }
 
     /// Surfaces of all bodies at a time (s), in the order of the scene.
-    #[must_use]
     pub fn body_surfaces(&self, time: Real) -> Vec<BodySurface<'_>> {
         let rigid = self.obstacles().enumerate().map(|(index, obstacle)| {
             let motion = obstacle.motion();
@@ -121,7 +119,6 @@ impl ContactSetup {
 
     /// The body of a triangle, and which of its own it is, in words; counted from 0 through the triangles of those
     /// bodies that have edges, in the order of [`ContactSetup::body_numbers`].
-    #[must_use]
     pub(crate) fn body_triangle(&self, triangle: usize) -> Option<String> {
         let rigid = self.shapes.iter().map(|(shape, needed)| (shape, *needed));
         let animated = self.animated.iter().map(|(shape, ..)| (shape, true));
@@ -138,7 +135,6 @@ impl ContactSetup {
 
     /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without
     /// a sign from the triangles of one without an inside. None where there are no bodies.
-    #[must_use]
     pub fn min_clearance(&self, x: &[Vec3], time: Real) -> Option<Real> {
         let has_inside = |obstacle: &Obstacle| obstacle.shape().error_bound() < Real::INFINITY;
         let rigid = self.obstacles().filter(|o| has_inside(o));
