@@ -90,9 +90,6 @@ pub fn is_solid(spec: &str) -> bool {
 }
 
 /// Builds the solid that `spec` names.
-///
-/// # Errors
-/// [`BenchError::Usage`] that names what is wrong with the name.
 pub fn solid(spec: &str) -> Result<TetMesh, BenchError> {
     let (kind, size) = spec.split_once(':').unwrap_or((spec, ""));
     let numbers: Option<Vec<usize>> = size.split('x').map(|n| n.parse().ok()).collect();
@@ -113,9 +110,6 @@ pub fn solid(spec: &str) -> Result<TetMesh, BenchError> {
 }
 
 /// Builds or reads the mesh that `spec` names.
-///
-/// # Errors
-/// [`BenchError::Usage`] that names what is wrong with the name, or with the line of the file.
 pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
     if is_file(spec) {
         return io::read(Path::new(spec)).map_err(BenchError::usage);

@@ -362,10 +362,8 @@ impl Plan {
     }
 }
 
-/// The same of a scene whose cloth may change on the way; also gives the scene at the end.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error. `state` is then the last good one.
+/// The same of a scene whose cloth may change on the way; also gives the scene at the end. After an error `state` is
+/// the last good one.
 pub fn run_changing(
     scene: &Scene,
     solver: &mut Solver<'_>,

@@ -124,9 +124,6 @@ impl Scene {
     }
 
     /// What resolves contact, if the scene has anything to touch, and keeps volumes, if it has any.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a mesh that does not serve.
     pub fn contacts(&self) -> Result<Option<Enclosed<PotentialContacts>>, BenchError> {
         self.contacts_from(0.0)
     }
@@ -272,9 +269,6 @@ impl Scene {
     }
 
     /// The elastic energy; hard constraints store none.
-    ///
-    /// # Errors
-    /// [`BuildError`] if an element names a vertex that does not exist.
     pub fn elastic(&self) -> Result<Energies, BuildError> {
         if !self.is_hard() {
             return self.model.energies();
@@ -322,9 +316,6 @@ impl Scene {
 
     /// Springs to measure stretch by: those of the model, or one on every edge of a sheet whose membrane is made of
     /// triangles.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if an edge of the mesh is not manifold.
     pub fn gauges(&self) -> Result<Vec<Spring>, BenchError> {
         match &self.mesh {
             Some(mesh) if self.model.springs.is_empty() => {

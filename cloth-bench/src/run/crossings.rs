@@ -20,9 +20,6 @@ struct Crossings<'a> {
 /// A sentence about the cloth in itself, and one about it in bodies, where a run of `steps` steps that began with the
 /// scene `start` has made crossings that were not there at its start: at its end, or after any step where it was
 /// watched and nothing crossed at the start.
-///
-/// # Errors
-/// [`BenchError::Failed`] as [`SeparationWatch::look`].
 pub fn crossing_warnings(
     start: &Scene,
     summary: &Summary,

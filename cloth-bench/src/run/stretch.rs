@@ -27,9 +27,6 @@ pub(super) struct StretchWatch {
 
 impl StretchWatch {
     /// Looks at the state after a step of a scene that has changed so many times.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for numbers that are nonsense.
     pub(super) fn look(
         &mut self,
         (scene, changes): (&Scene, usize),

@@ -19,9 +19,6 @@ use cloth_core::particles::Particles;
 
 impl SceneInfo {
     /// The scene of that name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
         SCENES
             .iter()

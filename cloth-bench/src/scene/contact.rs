@@ -378,9 +378,6 @@ impl ContactSetup {
 
     /// What resolves contact of the cloth `mesh` with this seam, from a time (s) on; nothing where there is nothing to
     /// touch.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a mesh or a setting that does not serve.
     pub fn source(
         &self,
         mesh: &TriMesh,

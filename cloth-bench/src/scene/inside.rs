@@ -21,9 +21,6 @@ impl Scene {
     /// Refuses free vertices in or on a body that has an inside. Untangling pulls out what goes through triangles of a
     /// body, so where the scene wants it, only a piece that is inside with all of its vertices is refused, and what is
     /// in a plane, which has no triangles.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] with the body and its deepest vertex, in the caller's numbers.
     pub(crate) fn refuse_start_inside(&self, state: &State) -> Result<(), BenchError> {
         let (Some(touch), Some(mesh)) = (&self.touch, &self.mesh) else {
             return Ok(());

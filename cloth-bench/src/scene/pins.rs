@@ -9,9 +9,6 @@ const HIGHEST: Real = 0.01;
 
 /// The vertices that `text` names: `none`, `corners` (of the sheet seen along `up`, both at one end of it), `highest`,
 /// or numbers.
-///
-/// # Errors
-/// [`BenchError::Usage`] for what is none of these, and for a vertex that is not there.
 pub fn chosen(text: &str, positions: &[Vec3], up: Vec3) -> Result<Vec<usize>, BenchError> {
     match text {
         "none" => Ok(Vec::new()),

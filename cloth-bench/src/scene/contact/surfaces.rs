@@ -152,9 +152,6 @@ impl ContactSetup {
     }
 
     /// What counts the triangles of the cloth `mesh` that go through bodies; nothing where no body has an edge.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for more triangles than fit.
     pub fn probe(&self, mesh: &TriMesh) -> Result<Option<BodyProbe>, BenchError> {
         let rigid = self.shapes.iter().filter(|shape| shape.1).map(|s| &s.0);
         let bodies: Vec<&TriMesh> = rigid.chain(self.animated.iter().map(|a| &a.0)).collect();
@@ -166,9 +163,6 @@ impl ContactSetup {
     }
 
     /// Counts them where the cloth is at `x` (m) at `time` (s).
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for positions that are not finite.
     pub fn count(
         &self,
         probe: &mut BodyProbe,

@@ -10,9 +10,6 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// `M/Δt² + Σ w SᵀS` of the springs and hinges of a scene, all vertices free, factorised.
-///
-/// # Errors
-/// [`BenchError::Failed`] if the factor does not fit into memory, or the matrix is singular.
 pub fn constant_matrix(scene: &Scene) -> Result<Cholesky, BenchError> {
     let model = &scene.model;
     let masses = model.particles.mass().iter();
