@@ -27,6 +27,7 @@ pub mod interleaved;
 pub mod locking;
 pub mod meshes_and_steps;
 pub mod newton;
+mod pictures;
 mod prelude;
 pub mod projective;
 pub mod recovery;

@@ -2,6 +2,7 @@
 
 use super::super::stability::{self, StableUpTo};
 use super::super::{Scope, locking, scale, sheets};
+use crate::studies::pictures::coordinates;
 use crate::studies::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -211,7 +212,7 @@ impl Drape {
                     .intersections
                     .map(|own| (own + summary.obstacle_intersections.unwrap_or(0)) as Real),
                 excess: Some(summary.energy_excess / summary.energy_given.max(Real::MIN_POSITIVE)),
-                positions: end.positions.into_iter().map(Into::into).collect(),
+                positions: coordinates(end.positions),
                 reason: None,
             },
             Err(error) => Self {
