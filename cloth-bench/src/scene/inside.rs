@@ -43,7 +43,7 @@ impl Scene {
             }
             // What untangling cannot serve: pieces that are inside with all of their vertices, or in a plane.
             let mut stuck = inside.clone();
-            if body.has_triangles {
+            if body.has_triangles() {
                 let edges = EdgeTable::build(mesh).map_err(BenchError::failed)?;
                 let piece = components(mesh.vertex_count(), &edges);
                 let mut is_whole = vec![true; mesh.vertex_count()];
@@ -56,7 +56,7 @@ impl Scene {
                 (true, false) => {
                     ", or have what goes through the surface pulled out (untangle=yes)"
                 }
-                (false, true) if body.has_triangles => {
+                (false, true) if body.has_triangles() => {
                     "; untangle=yes pulls out only what goes through the surface"
                 }
                 _ => "",
