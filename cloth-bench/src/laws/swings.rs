@@ -1,6 +1,7 @@
 //! Swings: the pendulum at any angle, and the small swings of a chain.
 
 use super::prelude::*;
+use crate::bisection::bisected;
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitMidpoint};
 use std::f64::consts::PI;
 
@@ -90,15 +91,7 @@ fn crossing([x0, x1]: [Real; 2], [v0, v1]: [Real; 2]) -> Real {
         r * r * (1.0 + 2.0 * s) * x0 + s * r * r * v0 + s * s * (3.0 - 2.0 * s) * x1
             - s * s * r * v1
     };
-    let [mut low, mut high] = [0.0, 1.0];
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if value(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let [low, high] = bisected([0.0, 1.0], 60, |s| value(s) > 0.0);
     0.5 * (low + high)
 }
 
