@@ -20,13 +20,7 @@ use cloth_core::particles::Particles;
 impl SceneInfo {
     /// The scene of that name.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
-        SCENES
-            .iter()
-            .find(|scene| scene.name == name)
-            .ok_or_else(|| {
-                let known: Vec<&str> = SCENES.iter().map(|s| s.name).collect();
-                BenchError::Usage(names::unknown("scene", name, &known))
-            })
+        names::find("scene", name, SCENES.iter(), |scene| scene.name)
     }
 }
 
