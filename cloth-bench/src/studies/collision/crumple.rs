@@ -1,12 +1,12 @@
 //! A crumpled sheet: what the search for candidates costs, and contact itself, as the sheet gets finer.
 
 use crate::crumpled::{BROAD_PHASES, NewBroadPhase, accordion, boxes};
+use crate::studies::interleaved::timed;
 use crate::studies::prelude::*;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::{Bounds, BroadPhase, ClothCandidates, Hierarchy};
 use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::mesh::TriMesh;
-use std::time::Instant;
 
 const DT: Real = 1.0 / 600.0;
 /// Every time is the shortest of so many.
@@ -35,25 +35,18 @@ fn shortest(mut work: impl FnMut() -> Result<Real, BenchError>) -> Result<Real, 
     Ok(least)
 }
 
-/// How long (s) `work` takes.
-fn timed<T>(work: impl FnOnce() -> T) -> Real {
-    let started = Instant::now();
-    std::hint::black_box(work());
-    started.elapsed().as_secs_f64()
-}
-
 /// Times (ms) of making the tree, letting it follow its boxes, and searching it.
 type Tree = (usize, Real, Real, Real);
 const TREE: [&str; 4] = ["triangles", "build (ms)", "refit (ms)", "search (ms)"];
 
 fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<Tree, BenchError> {
     let mut tree = Hierarchy::over(boxes);
-    let build = shortest(|| Ok(timed(|| Hierarchy::over(boxes))))?;
-    let refit = shortest(|| Ok(timed(|| tree.refit(boxes.iter().copied()))))?;
+    let build = shortest(|| timed(|| Ok(Hierarchy::over(boxes))))?;
+    let refit = shortest(|| timed(|| Ok(tree.refit(boxes.iter().copied()))))?;
     let mut pairs = Vec::new();
     let query = shortest(|| {
         pairs.clear();
-        Ok(timed(|| tree.visit_overlapping(|a, b| pairs.push([a, b]))))
+        timed(|| Ok(tree.visit_overlapping(|a, b| pairs.push([a, b]))))
     })?;
     Ok((triangles, build, refit, query))
 }
@@ -82,16 +75,12 @@ fn search(
     let mut pairs = Vec::new();
     let first = shortest(|| {
         let mut fresh = new();
-        Ok(timed(|| fresh.overlapping(boxes, &mut pairs)))
+        timed(|| Ok(fresh.overlapping(boxes, &mut pairs)))
     })?;
     let mut warm = new();
-    let again = shortest(|| Ok(timed(|| warm.overlapping(boxes, &mut pairs))))?;
+    let again = shortest(|| timed(|| Ok(warm.overlapping(boxes, &mut pairs))))?;
     let mut candidates = ClothCandidates::new(mesh, new());
-    let all = shortest(|| {
-        let started = Instant::now();
-        candidates.update(positions, positions, margin)?;
-        Ok(started.elapsed().as_secs_f64())
-    })?;
+    let all = shortest(|| Ok(timed(|| candidates.update(positions, positions, margin))?))?;
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
     let triangles = mesh.triangle_count();
     let each = 1e6 * all / triangles as Real;
@@ -147,10 +136,8 @@ fn resolve(
             inverse_mass: &inverse_mass,
             dt: DT,
         };
-        let started = Instant::now();
         let (x, v) = (&mut positions, &mut velocities);
-        projection.step(contacts, &step, SWEEPS, x, v)?;
-        Ok(started.elapsed().as_secs_f64())
+        Ok(timed(|| projection.step(contacts, &step, SWEEPS, x, v))?)
     })
 }
 
@@ -160,10 +147,8 @@ fn step(method: &str, side: usize) -> Result<Real, BenchError> {
     let mut stepper = Method::find(method)?.build(&scene, &Settings::default(), scene.dt)?;
     let mut state = scene.start.clone();
     shortest(|| {
-        let started = Instant::now();
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
-        stepper.step(&mut state, input)?;
-        Ok(started.elapsed().as_secs_f64())
+        Ok(timed(|| stepper.step(&mut state, input))?)
     })
 }
 
