@@ -4,7 +4,6 @@
 mod crumple;
 mod queries;
 
-use crate::bounds::bounds;
 use crate::report::render::{Projection, View};
 use crate::run::{SeparationWatch, Watched};
 use crate::studies::pictures::{Shot, coordinates, pictures};
@@ -238,7 +237,7 @@ fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let most = largest(shares.iter().copied());
     Ok(format!(
         "Of {cells} runs {passed} pass: they end, no triangles cross after any step, and the cloth never holds more than it was given by more than a hundredth of the most.{failures} Contact takes {:.0} % of a step in the median run, and at most {most:.0} %.",
-        run::median(&mut shares),
+        median(&mut shares),
     ))
 }
 

@@ -2,12 +2,9 @@
 
 pub mod variants;
 
-use super::cases::LazyCell;
 use super::sheets::TestSheet;
 use super::{capitalised, remark};
-use crate::bounds::bounds;
 use crate::report::render::View;
-use crate::run::median;
 use crate::studies::pictures::{Shot, coordinates, pictures};
 use crate::studies::prelude::*;
 use crate::yardstick::{Sample, StepProblem};

@@ -5,10 +5,8 @@ pub mod measure;
 mod shortened;
 
 use super::scale;
-use crate::bounds::bounds;
 use crate::report::html::Picture;
 use crate::report::render::View;
-use crate::report::table::Mark;
 use crate::studies::pictures::{Shot, pictures};
 use crate::studies::prelude::*;
 use columns::COLUMNS;

@@ -1,6 +1,5 @@
 //! Timing: of one piece of work, and interleaved of several variants of it, one run of each per round.
 
-use crate::run::median;
 use crate::studies::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;

@@ -2,8 +2,6 @@
 
 use super::{capitalised, failed, is_expected};
 use crate::studies::prelude::*;
-use cloth_core::measure::Strain;
-use cloth_core::random::SplitMix64;
 
 pub(super) const STUDY: Study = Study {
     name: "recovery",

@@ -2,7 +2,6 @@
 
 use super::measure::Contact;
 use super::{REFERENCE, Row, measure};
-use crate::report::table::Mark;
 use crate::studies::prelude::*;
 use crate::studies::{NOISE, stability};
 

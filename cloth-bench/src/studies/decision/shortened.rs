@@ -1,7 +1,6 @@
 //! Steps in contact that end before they are converged: which of them is the better for its time?
 
 use super::measure::Drape;
-use crate::studies::NOISE;
 use crate::studies::pictures::vectors;
 use crate::studies::prelude::*;
 use std::cmp::Ordering;
