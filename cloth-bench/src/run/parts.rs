@@ -56,7 +56,7 @@ impl Course<'_> {
         self.contact_seconds = taken.in_contact;
         self.put_bodies(state.time)?;
         if let Some(balance) = balance {
-            balance.count_step();
+            balance.steps += 1;
         }
         report.ok_or_else(|| BenchError::Failed("a step of no parts".into()))
     }
@@ -75,7 +75,7 @@ impl Course<'_> {
         let before = may_halve.then(|| {
             (
                 state.clone(),
-                balance.as_deref().map(EnergyBalance::entries),
+                balance.as_deref().map(|balance| balance.entries),
             )
         });
         let report = self.part(stepper, state, dt, balance.as_deref_mut())?;
@@ -99,7 +99,7 @@ impl Course<'_> {
             contacts.source.contacts.take_back();
         }
         if let (Some(balance), Some(entries)) = (&mut balance, entries) {
-            balance.take_back(entries);
+            balance.entries = entries;
         }
         let half = (0.5 * dt, halvings - 1);
         let first = self.resolve(stepper, state, half, balance.as_deref_mut(), taken)?;

@@ -20,7 +20,8 @@ pub(super) struct StretchWatch {
     gauges: Vec<Spring>,
     /// After how many changes of the scene these are.
     changes: Option<usize>,
-    strain: Real,
+    /// Dimensionless.
+    pub(super) strain: Real,
     /// The edge, in the caller's numbers, and the step.
     place: ([u32; 2], u32),
 }
@@ -64,11 +65,6 @@ impl StretchWatch {
             )));
         }
         Ok(())
-    }
-
-    /// The largest strain after any step (dimensionless).
-    pub(super) fn strain(&self) -> Real {
-        self.strain
     }
 
     /// A sentence about it, if it is worth one.
