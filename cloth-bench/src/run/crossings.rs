@@ -46,7 +46,7 @@ pub fn crossing_warnings(
     let touch = start.touch.as_ref().filter(|touch| !touch.is_idle());
     let nothing = || "nothing is touched in this scene".to_owned();
     let own = match touch {
-        Some(touch) if touch.touches_itself() => None,
+        Some(touch) if touch.self_collision => None,
         Some(_) => Some("the cloth does not touch itself in this scene".to_owned()),
         None => Some(nothing()),
     };

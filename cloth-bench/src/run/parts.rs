@@ -10,7 +10,6 @@ use super::energy::EnergyBalance;
 use super::pin_loads::PinLoads;
 use super::timed::Timed;
 use crate::error::BenchError;
-use crate::scene::ContactSetup;
 use cloth_collide::potential::ContactForces;
 use cloth_core::math::Real;
 use cloth_core::particles::State;
@@ -85,11 +84,8 @@ impl Course<'_> {
             .contacts
             .as_ref()
             .map_or(0.0, |c| c.source.contacts.largest_push());
-        let thickness = self
-            .scene
-            .touch
-            .as_ref()
-            .map_or(Real::INFINITY, ContactSetup::thickness);
+        let touch = self.scene.touch.as_ref();
+        let thickness = touch.map_or(Real::INFINITY, |touch| touch.thickness);
         let Some((start, entries)) = before.filter(|_| pushed > thickness) else {
             self.add_forces(dt / taken.dt);
             return Ok(report);

@@ -209,15 +209,17 @@ pub(super) struct PieceContact {
 pub struct ContactSetup {
     /// Whether contact is switched on.
     is_on: bool,
-    self_collision: bool,
-    thickness: Real,
+    /// Whether the cloth can touch itself, where contact is switched on.
+    pub(crate) self_collision: bool,
+    /// Distance to keep (m).
+    pub(crate) thickness: Real,
     stiffness: Real,
     friction: Real,
     restitution: Option<Real>,
     untangles: bool,
     pinched_passes: bool,
     broad_phase: BroadPhaseKind,
-    rigid: Vec<RigidSetup>,
+    pub(super) rigid: Vec<RigidSetup>,
     /// Those of them that are held, and bodies that will be driven otherwise than at the start.
     pub(super) held: Vec<usize>,
     pub(super) driven: Vec<usize>,
@@ -365,11 +367,6 @@ impl ContactSetup {
         alone || !self.is_on
     }
 
-    /// Whether the cloth can touch itself, where contact is switched on.
-    pub(crate) fn touches_itself(&self) -> bool {
-        self.self_collision
-    }
-
     /// Whether what hits something leaves it with a given part of its speed, which is not zero.
     pub(crate) fn rebounds(&self) -> bool {
         self.restitution.is_some_and(|part| part > 0.0) && !self.is_idle()
@@ -482,11 +479,6 @@ impl ContactSetup {
         self.notes.iter().map(String::as_str)
     }
 
-    /// Distance to keep (m).
-    pub(crate) fn thickness(&self) -> Real {
-        self.thickness
-    }
-
     /// Takes bodies to where they are at `time` (s), with the velocities that they have.
     pub(crate) fn put(
         &mut self,
@@ -561,11 +553,6 @@ impl ContactSetup {
         let number = self.numbers.get(body).map_or(body, |number| *number);
         let kind = self.rigid.get(body).map_or("animation", |body| body.kind);
         format!("obstacle {number} ({kind})")
-    }
-
-    /// The obstacles, with what is said of them.
-    pub(super) fn rigid_bodies(&self) -> &[RigidSetup] {
-        &self.rigid
     }
 
     /// The obstacles that the cloth cannot push.

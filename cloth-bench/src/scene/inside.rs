@@ -28,7 +28,7 @@ impl Scene {
         if touch.is_idle() {
             return Ok(());
         }
-        for body in touch.rigid_bodies() {
+        for body in &touch.rigid {
             let depth = |v: usize| {
                 let x = state.positions[v];
                 -body.obstacle.signed_distance(x, state.time).value
@@ -75,7 +75,7 @@ impl Scene {
             let x = state.positions[vertex];
             let (count, number, kind) = (inside.len(), body.number, body.kind);
             let (thickness, at) = (
-                touch.thickness(),
+                touch.thickness,
                 format!("({:.4}, {:.4}, {:.4}) m", x.x, x.y, x.z),
             );
             return Err(BenchError::Usage(if depth <= ON_SURFACE * thickness {
