@@ -84,16 +84,8 @@ fn search(
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
     let triangles = mesh.triangle_count();
     let each = 1e6 * all / triangles as Real;
-    Ok((
-        triangles,
-        name.to_owned(),
-        first,
-        again,
-        pairs.len(),
-        all,
-        found,
-        each,
-    ))
+    let (name, pairs) = (name.to_owned(), pairs.len());
+    Ok((triangles, name, first, again, pairs, all, found, each))
 }
 
 /// Sweeps over the contacts of a step.
