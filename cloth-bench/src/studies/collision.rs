@@ -215,7 +215,7 @@ fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
             bounds: Some(around(&shots)),
             ..View::default()
         };
-        let pictures = pictures(&scene, &shots, view)?;
+        let pictures = pictures(&scene, &shots, &view)?;
         study.section.pictures.extend(pictures);
     }
     study.table("collision", "Scenes with contact", &rows);

@@ -428,7 +428,7 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         bounds: Some(bounds(everything)),
         ..View::default()
     };
-    let pictures = pictures(scene, &shots, view)?;
+    let pictures = pictures(scene, &shots, &view)?;
     study.section.pictures.extend(pictures);
     Ok(())
 }

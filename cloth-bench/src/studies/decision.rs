@@ -241,7 +241,7 @@ fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
         bounds: Some(bounds(of_bodies.chain(&scene.start.positions).copied())),
         ..View::default()
     };
-    pictures(&scene, &shots.collect_vec(), view)
+    pictures(&scene, &shots.collect_vec(), &view)
 }
 
 /// What contact costs.

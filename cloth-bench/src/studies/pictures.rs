@@ -39,14 +39,14 @@ pub(super) fn vectors(positions: &[[Real; 3]]) -> Vec<Vec3> {
 pub(super) fn pictures(
     scene: &Scene,
     shots: &[Shot],
-    view: View,
+    view: &View,
 ) -> Result<Vec<Picture>, BenchError> {
     let Some(mesh) = &scene.mesh else {
         return Ok(Vec::new());
     };
     let view = View {
         background: None,
-        ..view
+        ..view.clone()
     };
     let picture = |shot: &Shot| {
         let bodies = scene.obstacle_surfaces(shot.time);

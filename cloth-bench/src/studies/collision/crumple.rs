@@ -35,18 +35,23 @@ fn shortest(mut work: impl FnMut() -> Result<Real, BenchError>) -> Result<Real, 
     Ok(least)
 }
 
+/// How long (s) `work` takes, which cannot fail.
+fn seconds<T>(work: impl FnOnce() -> T) -> Result<Real, BenchError> {
+    timed(|| Ok(work()))
+}
+
 /// Times (ms) of making the tree, letting it follow its boxes, and searching it.
 type Tree = (usize, Real, Real, Real);
 const TREE: [&str; 4] = ["triangles", "build (ms)", "refit (ms)", "search (ms)"];
 
 fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<Tree, BenchError> {
     let mut tree = Hierarchy::over(boxes);
-    let build = shortest(|| timed(|| Ok(Hierarchy::over(boxes))))?;
-    let refit = shortest(|| timed(|| Ok(tree.refit(boxes.iter().copied()))))?;
+    let build = shortest(|| seconds(|| Hierarchy::over(boxes)))?;
+    let refit = shortest(|| seconds(|| tree.refit(boxes.iter().copied())))?;
     let mut pairs = Vec::new();
     let query = shortest(|| {
         pairs.clear();
-        timed(|| Ok(tree.visit_overlapping(|a, b| pairs.push([a, b]))))
+        seconds(|| tree.visit_overlapping(|a, b| pairs.push([a, b])))
     })?;
     Ok((triangles, build, refit, query))
 }
@@ -75,10 +80,10 @@ fn search(
     let mut pairs = Vec::new();
     let first = shortest(|| {
         let mut fresh = new();
-        timed(|| Ok(fresh.overlapping(boxes, &mut pairs)))
+        seconds(|| fresh.overlapping(boxes, &mut pairs))
     })?;
     let mut warm = new();
-    let again = shortest(|| timed(|| Ok(warm.overlapping(boxes, &mut pairs))))?;
+    let again = shortest(|| seconds(|| warm.overlapping(boxes, &mut pairs)))?;
     let mut candidates = ClothCandidates::new(mesh, new());
     let all = shortest(|| Ok(timed(|| candidates.update(positions, positions, margin))?))?;
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
