@@ -2,6 +2,7 @@
 
 mod tangled;
 
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::names;
 use crate::settings::{Choice, Value};
@@ -238,11 +239,7 @@ fn side_by_side(spec: &str) -> Result<TriMesh, BenchError> {
     let mut next = 0.0;
     let pieces = spec.split('+').map(|piece| {
         let mesh = load(piece)?;
-        let along = || mesh.positions().iter().map(|p| p.x);
-        let [low, high] = [
-            along().fold(f64::INFINITY, f64::min),
-            along().fold(f64::NEG_INFINITY, f64::max),
-        ];
+        let [low, high] = bounds(mesh.positions().iter().copied()).map(|corner| corner.x);
         let shift = Vec3::x() * (next - low);
         next += high - low + 0.1;
         let positions = mesh.positions().iter().map(|p| p + shift).collect();
