@@ -184,13 +184,12 @@ fn lateral_buckling(
     let across = *own.across;
     within_reach(1.5e6 * Real::from(across).powi(3))?;
     let across = across as usize;
-    let slenderness = *own.slenderness;
     if across.is_multiple_of(2) {
         return Err(BenchError::Usage(format!(
             "across is {across}, but it has to be odd: half of the cells make the coarser strip"
         )));
     }
-    let elongation = *own.elongation;
+    let (slenderness, elongation) = (*own.slenderness, *own.elongation);
     let finest = shape(across, slenderness, elongation)?;
     let at = |across, slenderness| critical(model, shape(across, slenderness, elongation)?);
     // To cells of no size, at either width; then to no width.

@@ -104,11 +104,9 @@ fn agm(mut a: Real, mut b: Real) -> Real {
 }
 
 fn pendulum(own: &PendulumSettings) -> Result<Evaluation, BenchError> {
-    let angle = *own.angle_deg;
-    let scheme = *own.method;
-    let steps = *own.steps;
+    let (scheme, steps) = (*own.method, *own.steps);
     within_reach(4e3 * Real::from(steps))?;
-    let angle = angle.to_radians();
+    let angle = own.angle_deg.to_radians();
     let mut particles = Particles::new(vec![1.0; 2])?;
     particles.prescribe(0)?;
     let positions = vec![Vec3::zeros(), Vec3::new(angle.sin(), 0.0, -angle.cos())];
@@ -126,8 +124,7 @@ fn pendulum(own: &PendulumSettings) -> Result<Evaluation, BenchError> {
 }
 
 fn chain_swing(own: &ChainSwingSettings) -> Result<Evaluation, BenchError> {
-    let links = *own.links;
-    let steps = *own.steps;
+    let (links, steps) = (*own.links, *own.steps);
     let (n, of_steps) = (Real::from(links), Real::from(steps));
     within_reach(10.0 * n.powi(3) + 2e3 * n * of_steps)?;
     let links = links as usize;

@@ -143,11 +143,8 @@ fn direct_step(settings: &Settings) -> Result<Evaluation, BenchError> {
 const STRETCH: Real = 0.5;
 
 fn xpbd_damping(own: &XpbdDampingSettings) -> Result<Evaluation, BenchError> {
-    let k = *own.stiffness;
-    let beta = *own.damping;
-    let h = *own.dt;
-    let speed = *own.speed;
-    let iterations = *own.iterations;
+    let (k, beta, h) = (*own.stiffness, *own.damping, *own.dt);
+    let (speed, iterations) = (*own.speed, *own.iterations);
     within_reach(100.0 * Real::from(iterations))?;
     let mut particles = Particles::new(vec![1.0; 2])?;
     particles.prescribe(0)?;
@@ -174,12 +171,10 @@ fn xpbd_damping(own: &XpbdDampingSettings) -> Result<Evaluation, BenchError> {
 }
 
 fn support_force(own: &SupportForceSettings) -> Result<Evaluation, BenchError> {
-    let links = *own.links;
-    let iterations = *own.iterations;
+    let (links, iterations) = (*own.links, *own.iterations);
     within_reach(30.0 * Real::from(STEPS) * Real::from(links) * Real::from(iterations))?;
     let links = links as usize;
-    let mass = *own.mass;
-    let tip = *own.tip_mass;
+    let (mass, tip) = (*own.mass, *own.tip_mass);
     let mut masses = vec![mass; links + 1];
     masses[links] = tip;
     let weight = GRAVITY * (mass * (links as Real - 1.0) + tip);
