@@ -1,6 +1,5 @@
 //! Garments that start tangled.
 
-use crate::bounds::bounds;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, grid, join, tube};
 use cloth_core::mesh::{MeshError, TriMesh};
@@ -28,13 +27,28 @@ pub(crate) fn layers(depth: Real, gap: Real) -> Result<TriMesh, MeshError> {
 /// A sleeve through the wall of a torso, by `depth` (m): the end is inside, where the torso is a tube of 0.2 m radius.
 pub(crate) fn sleeve(depth: Real) -> Result<TriMesh, MeshError> {
     let torso = tube(60, 30, 0.2, 0.5)?;
-    let [low, high] = bounds(torso.positions().iter().copied());
-    let middle = 0.5 * (low.z + high.z);
+    let [low, high] = [0, 2].map(|k| {
+        let along = |x: &Vec3| x.z;
+        let all = torso.positions().iter().map(along);
+        if k == 0 {
+            all.fold(Real::INFINITY, Real::min)
+        } else {
+            all.fold(Real::NEG_INFINITY, Real::max)
+        }
+    });
+    let middle = 0.5 * (low + high);
     let arm = tube(31, 20, 0.06, 0.3)?;
-    let [first, _] = bounds(arm.positions().iter().copied());
+    let first = arm
+        .positions()
+        .iter()
+        .map(|x| x.z)
+        .fold(Real::INFINITY, Real::min);
     let arm = moved(&arm, |x| {
-        let inwards = 0.2 - depth + (x.z - first.z);
-        Vec3::new(inwards, x.x + 0.0013, middle + x.y + 0.0021)
+        Vec3::new(
+            0.2 - depth + (x.z - first),
+            x.x + 0.0013,
+            middle + x.y + 0.0021,
+        )
     })?;
     join(&[torso, arm])
 }
