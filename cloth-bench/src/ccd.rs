@@ -77,10 +77,8 @@ fn conservative(query: &Query, slack: Real) -> Result<Option<Real>, CollideError
 impl CcdMethod {
     /// The method of this name.
     pub fn find(name: &str) -> Result<Self, BenchError> {
-        let known = METHODS.iter().find(|method| method.name == name);
-        known.copied().ok_or_else(|| {
-            let known: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
-            BenchError::Usage(names::unknown("method of `ccd`", name, &known))
+        names::find("method of `ccd`", name, METHODS.into_iter(), |method| {
+            method.name
         })
     }
 

@@ -20,9 +20,6 @@ fn folded(x: Real, width: Real, gap: Real) -> (Real, Real) {
 /// A sheet of 1 m × 1 m with `side` vertices a side, and its positions (m) folded in one direction into [`LAYERS`]
 /// layers, `gap` (m) apart on average, with noise of a fiftieth of that. Pleats that are folded again, in the other
 /// direction, would pass through each other at the crease.
-///
-/// # Errors
-/// [`BenchError::Failed`] for fewer than two vertices a side.
 pub fn accordion(side: usize, gap: Real) -> Result<(TriMesh, Vec<Vec3>), BenchError> {
     let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating)?;
     let noise = |i: usize, k: Real| 0.02 * gap * (12.9898 * i as Real + 78.233 * k).sin();

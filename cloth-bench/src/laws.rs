@@ -163,13 +163,7 @@ impl Law {
 
     /// The law of that name.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
-        LAWS.iter()
-            .copied()
-            .find(|law| law.name == name)
-            .ok_or_else(|| {
-                let known: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
-                BenchError::Usage(names::unknown("law", name, &known))
-            })
+        names::find("law", name, LAWS.iter().copied(), |law| law.name)
     }
 
     /// Puts the closed form beside what the code does.

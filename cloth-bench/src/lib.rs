@@ -7,6 +7,7 @@
 // Of a program, nobody forgets the result of a function unnoticed; of its errors, see above.
 #![allow(clippy::must_use_candidate, clippy::missing_errors_doc)]
 
+mod bisection;
 mod bounds;
 pub mod ccd;
 pub mod commands;

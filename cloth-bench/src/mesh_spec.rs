@@ -2,6 +2,7 @@
 
 mod tangled;
 
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::names;
 use crate::settings::{Choice, Value};
@@ -90,9 +91,6 @@ pub fn is_solid(spec: &str) -> bool {
 }
 
 /// Builds the solid that `spec` names.
-///
-/// # Errors
-/// [`BenchError::Usage`] that names what is wrong with the name.
 pub fn solid(spec: &str) -> Result<TetMesh, BenchError> {
     let (kind, size) = spec.split_once(':').unwrap_or((spec, ""));
     let numbers: Option<Vec<usize>> = size.split('x').map(|n| n.parse().ok()).collect();
@@ -113,9 +111,6 @@ pub fn solid(spec: &str) -> Result<TetMesh, BenchError> {
 }
 
 /// Builds or reads the mesh that `spec` names.
-///
-/// # Errors
-/// [`BenchError::Usage`] that names what is wrong with the name, or with the line of the file.
 pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
     if is_file(spec) {
         return io::read(Path::new(spec)).map_err(BenchError::usage);
@@ -244,11 +239,7 @@ fn side_by_side(spec: &str) -> Result<TriMesh, BenchError> {
     let mut next = 0.0;
     let pieces = spec.split('+').map(|piece| {
         let mesh = load(piece)?;
-        let along = || mesh.positions().iter().map(|p| p.x);
-        let [low, high] = [
-            along().fold(f64::INFINITY, f64::min),
-            along().fold(f64::NEG_INFINITY, f64::max),
-        ];
+        let [low, high] = bounds(mesh.positions().iter().copied()).map(|corner| corner.x);
         let shift = Vec3::x() * (next - low);
         next += high - low + 0.1;
         let positions = mesh.positions().iter().map(|p| p + shift).collect();

@@ -137,10 +137,7 @@ pub const METHODS: [Method; 10] = [
 impl Method {
     /// The method of that name.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
-        all().find(|method| method.name == name).ok_or_else(|| {
-            let known: Vec<&str> = all().map(|m| m.name).collect();
-            BenchError::Usage(names::unknown("method", name, &known))
-        })
+        names::find("method", name, all(), |method| method.name)
     }
 
     /// The tables of what can be set, with the published setting: of the method, and of all methods.

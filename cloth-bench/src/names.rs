@@ -4,6 +4,8 @@
 //! not exist is answered with the nearest one that does, by Damerau–Levenshtein distance, so a
 //! transposed pair of letters counts as one mistake.
 
+use crate::error::BenchError;
+
 /// The nearest of `known` to `given`, if one is near enough to be what was meant.
 ///
 /// Near means at most one mistake in three letters (and always at least one allowed), or that the
@@ -35,6 +37,20 @@ pub(crate) fn beyond(kind: &str, number: u32, count: usize) -> String {
         1 => format!("there is no {kind} {number}, only 0"),
         _ => format!("there is no {kind} {number}, only 0 to {}", count - 1),
     }
+}
+
+/// The one of `all` that is called `given`, or an error that lists what they are called.
+pub(crate) fn find<T>(
+    kind: &str,
+    given: &str,
+    all: impl Iterator<Item = T> + Clone,
+    name: impl Fn(&T) -> &'static str,
+) -> Result<T, BenchError> {
+    let found = all.clone().find(|one| name(one) == given);
+    found.ok_or_else(|| {
+        let known: Vec<&str> = all.map(|one| name(&one)).collect();
+        BenchError::Usage(unknown(kind, given, &known))
+    })
 }
 
 /// One sentence that refuses the name `given` of a `kind` of thing (`"method"`, `"scene"`),

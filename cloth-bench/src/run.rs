@@ -212,7 +212,7 @@ impl<'a> Course<'a> {
             input = input.air(air);
         }
         if let Some(pins) = &mut self.pin_loads {
-            input = input.pin_forces(pins.of_part());
+            input = input.pin_forces(&mut pins.part);
         }
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(contacts);
@@ -362,10 +362,8 @@ impl Plan {
     }
 }
 
-/// The same of a scene whose cloth may change on the way; also gives the scene at the end.
-///
-/// # Errors
-/// [`BenchError::Failed`] with the method's own error. `state` is then the last good one.
+/// The same of a scene whose cloth may change on the way; also gives the scene at the end. After an error `state` is
+/// the last good one.
 pub fn run_changing(
     scene: &Scene,
     solver: &mut Solver<'_>,
@@ -414,14 +412,14 @@ fn take_steps(
         iterations.push(report.iterations);
         counted.count(&report);
         stretch.look((&course.scene, course.changes), state, step)?;
-        let [held, given] = balance.now();
+        let [held, given] = balance.entries.now;
         after(&Moment {
             step,
             scene: &course.scene,
             state,
             report: &report,
             forces: course.forces(),
-            pin_loads: course.pin_loads.as_ref().map(PinLoads::mean),
+            pin_loads: course.pin_loads.as_ref().map(|pins| &pins.mean[..]),
             held,
             given,
             tangled: course.untangling.before(step),
@@ -457,7 +455,7 @@ fn take_steps(
         iterations_per_step: median_count(&mut iterations),
         rebuilds: course.rebuilds,
         max_stretch: strain.max,
-        max_stretch_of_all: stretch.strain(),
+        max_stretch_of_all: stretch.strain,
         stretched: stretch.warning(&scene),
         rms_strain: strain.rms,
         kinetic_energy: measure::kinetic_energy(particles, &state.velocities),
@@ -465,10 +463,10 @@ fn take_steps(
         gravity_energy,
         contact_energy,
         potential_energy: elastic_energy + gravity_energy + stored,
-        energy_excess: balance.excess(),
-        energy_given: balance.given(),
+        energy_excess: balance.entries.excess,
+        energy_given: balance.entries.most_given,
         energy_scale: energy::scale(&scene),
-        energy_gain: balance.gain(),
+        energy_gain: balance.entries.gain,
         contact_energy_at_start,
         start_lift,
         center_of_mass_drop: start_height - height(&scene, state),

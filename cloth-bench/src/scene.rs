@@ -123,16 +123,12 @@ impl Scene {
     }
 
     /// The settings of a method that stand in the file of the scene.
-    #[must_use]
     pub fn settings_of(&self, method: &str) -> Settings {
         let own = self.methods.iter().find(|(name, _)| *name == method);
         own.map_or_else(Settings::default, |(_, settings)| settings.clone())
     }
 
     /// What resolves contact, if the scene has anything to touch, and keeps volumes, if it has any.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a mesh that does not serve.
     pub fn contacts(&self) -> Result<Option<Enclosed<PotentialContacts>>, BenchError> {
         self.contacts_from(0.0)
     }
@@ -161,7 +157,6 @@ impl Scene {
     }
 
     /// What counts the crossings of the cloth and measures its distances, if it has a mesh.
-    #[must_use]
     pub fn separation_probe(&self) -> Option<SeparationProbe> {
         let mesh = self.mesh.as_ref()?;
         let touch = self.touch.as_ref();
@@ -174,13 +169,11 @@ impl Scene {
     }
 
     /// Pairs of vertices that are sewn together, or are being drawn together.
-    #[must_use]
     pub fn sewn(&self) -> Vec<[u32; 2]> {
         self.model.seam().sewn_pairs()
     }
 
     /// Largest distance (m) of a vertex from the one that it is sewn to, or from its point of an edge, if any is sewn.
-    #[must_use]
     pub fn max_seam_gap(&self, state: &State) -> Option<Real> {
         let seam = self.model.seam();
         let gaps = seam.gaps(&state.positions).map(|gap| gap.norm());
@@ -188,7 +181,6 @@ impl Scene {
     }
 
     /// Largest change of a sealed volume (dimensionless, of its rest volume), if there is any.
-    #[must_use]
     pub fn max_volume_change(&self, state: &State) -> Option<Real> {
         let change = |v: &ClosedVolume| (v.volume(&state.positions) / v.rest_volume() - 1.0).abs();
         self.volumes.iter().map(change).reduce(Real::max)
@@ -212,20 +204,17 @@ impl Scene {
     }
 
     /// What pulls the cloth of `contacts` apart during a run, if the scene wants that.
-    #[must_use]
     pub fn untangler(&self, contacts: &PotentialContacts) -> Option<StepUntangler> {
         let wanted = self.touch.as_ref().filter(|touch| touch.untangles());
         wanted.and_then(|_| StepUntangler::new(contacts))
     }
 
     /// Whether there is anything that the cloth can touch.
-    #[must_use]
     pub fn can_touch(&self) -> bool {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
     /// Whether springs or links are hard constraints, of infinite stiffness.
-    #[must_use]
     pub fn is_hard(&self) -> bool {
         let springs = self.model.all_springs();
         springs.map(|s| s.stiffness).any(Real::is_infinite)
@@ -242,9 +231,6 @@ impl Scene {
     }
 
     /// The elastic energy; hard constraints store none.
-    ///
-    /// # Errors
-    /// [`BuildError`] if an element names a vertex that does not exist.
     pub fn elastic(&self) -> Result<Energies, BuildError> {
         if !self.is_hard() {
             return self.model.energies();
@@ -261,14 +247,12 @@ impl Scene {
     }
 
     /// Into how many equal parts a run cuts a step of `dt` (s): 1, or more where the cloth pushes a body.
-    #[must_use]
     pub fn parts(&self, dt: Real) -> u32 {
         self.touch.as_ref().map_or(1, |touch| touch.parts(dt))
     }
 
     /// Whether a step is nothing but the elastic one: nothing to touch, no air or gas, pins at rest, no seams,
     /// nothing that changes.
-    #[must_use]
     pub fn is_plain(&self) -> bool {
         self.pins.is_none()
             && self.air.is_none()
@@ -285,7 +269,6 @@ impl Scene {
     }
 
     /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.
-    #[must_use]
     pub fn obstacle_surfaces(&self, time: Real) -> Vec<(Vec<Vec3>, &[[u32; 3]])> {
         self.touch
             .iter()
@@ -295,9 +278,6 @@ impl Scene {
 
     /// Springs to measure stretch by: those of the model, or one on every edge of a sheet whose membrane is made of
     /// triangles.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if an edge of the mesh is not manifold.
     pub fn gauges(&self) -> Result<Vec<Spring>, BenchError> {
         match &self.mesh {
             Some(mesh) if self.model.springs.is_empty() => {
@@ -322,7 +302,6 @@ pub struct SceneInfo {
 
 impl SceneInfo {
     /// What can be set, in groups.
-    #[must_use]
     pub fn groups(&self) -> Vec<&'static [Parameter]> {
         self.groups.concat()
     }

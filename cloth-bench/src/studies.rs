@@ -27,6 +27,7 @@ pub mod interleaved;
 pub mod locking;
 pub mod meshes_and_steps;
 pub mod newton;
+mod pictures;
 mod prelude;
 pub mod projective;
 pub mod recovery;
@@ -230,14 +231,7 @@ pub const STUDIES: [&Study; 20] = [
 impl Study {
     /// The study of that name.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
-        STUDIES
-            .iter()
-            .copied()
-            .find(|study| study.name == name)
-            .ok_or_else(|| {
-                let known: Vec<&str> = STUDIES.iter().map(|s| s.name).collect();
-                BenchError::Usage(names::unknown("study", name, &known))
-            })
+        names::find("study", name, STUDIES.iter().copied(), |study| study.name)
     }
 
     /// Number of its cases, with the scenes of the program or with a scene file of one's own: those that it asks for

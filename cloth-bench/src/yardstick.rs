@@ -109,9 +109,6 @@ impl StepProblem {
 
     /// The step that follows after `steps` steps of `dt` (s) of implicit Euler from the start of a scene: the same step
     /// for every method.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if implicit Euler fails on the way, or as for [`StepProblem::new`].
     pub fn after(scene: &Scene, steps: u32, dt: Real) -> Result<Self, BenchError> {
         let mut newton = Method::find("implicit-euler")?.build(scene, &Settings::default(), dt)?;
         let mut state = scene.start.clone();

@@ -1,5 +1,6 @@
 //! The method of the textbooks: when are the four vertices in one plane, and is there a contact at that moment?
 
+use crate::bisection::bisected;
 use cloth_collide::{Query, QueryKind, edge_edge, point_triangle};
 use cloth_core::math::{Real, Vec3};
 
@@ -80,22 +81,15 @@ impl Cubic {
     /// The root in the interval `ends`, in which the polynomial is monotone with these `values` at its ends; both ends
     /// if it is zero there.
     fn bisect(&self, ends: [Real; 2], values: [Real; 2]) -> impl Iterator<Item = Real> {
-        let [mut low, mut high] = ends;
+        let [low, high] = ends;
         let found = match (values[0] == 0.0, values[1] == 0.0) {
             (true, true) => [Some(low), Some(high)],
             (true, false) => [Some(low), None],
             (false, true) => [None, Some(high)],
             _ if values[0] * values[1] > 0.0 => [None, None],
             _ => {
-                for _ in 0..60 {
-                    let middle = 0.5 * (low + high);
-                    if (self.at(middle) > 0.0) == (values[0] > 0.0) {
-                        low = middle;
-                    } else {
-                        high = middle;
-                    }
-                }
-                [Some(low), None]
+                let is_below = |t| (self.at(t) > 0.0) == (values[0] > 0.0);
+                [Some(bisected(ends, 60, is_below)[0]), None]
             }
         };
         found.into_iter().flatten()

@@ -16,10 +16,7 @@ pub fn write(value: &impl Serialize) -> serde_json::Result<String> {
     Ok(format!("{object}{BEFORE}{checksum:016x}{AFTER}\n"))
 }
 
-/// What a line (without its end) says.
-///
-/// # Errors
-/// Why it is not as it was written.
+/// What a line (without its end) says, or why it is not as it was written.
 pub fn read<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
     let end = line
         .len()

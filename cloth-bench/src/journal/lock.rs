@@ -21,9 +21,6 @@ pub(super) struct Lock {
 
 impl Lock {
     /// The folder, if no other process works in it.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if one does, with its number; or with the file that cannot be locked.
     pub(super) fn take(folder: &Path) -> Result<Self, BenchError> {
         let path = folder.join(FILE_NAME);
         let failed = |error: std::io::Error| about(&path, &error);

@@ -28,6 +28,7 @@
 use super::models::{Model, ModelSetting};
 use super::prelude::*;
 use super::strip::{Shape, Strip};
+use crate::bisection::bisected;
 use cloth_core::element::Convexity;
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::{Assembly, Energies};
@@ -58,16 +59,7 @@ pub fn prandtl() -> Real {
         }
         sum
     };
-    let [mut low, mut high] = [1.0, 3.0];
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if bessel(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    6.0 * low
+    6.0 * bisected([1.0, 3.0], 60, |x| bessel(x) > 0.0)[0]
 }
 
 /// A strip in the plane z = 0, with gravity along −y.
@@ -192,13 +184,12 @@ fn lateral_buckling(
     let across = *own.across;
     within_reach(1.5e6 * Real::from(across).powi(3))?;
     let across = across as usize;
-    let slenderness = *own.slenderness;
     if across.is_multiple_of(2) {
         return Err(BenchError::Usage(format!(
             "across is {across}, but it has to be odd: half of the cells make the coarser strip"
         )));
     }
-    let elongation = *own.elongation;
+    let (slenderness, elongation) = (*own.slenderness, *own.elongation);
     let finest = shape(across, slenderness, elongation)?;
     let at = |across, slenderness| critical(model, shape(across, slenderness, elongation)?);
     // To cells of no size, at either width; then to no width.

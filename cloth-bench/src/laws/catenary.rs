@@ -113,8 +113,7 @@ impl Chain {
 }
 
 fn catenary(own: &CatenarySettings) -> Result<Evaluation, BenchError> {
-    let mass = *own.mass;
-    let links = *own.links;
+    let (mass, links) = (*own.mass, *own.links);
     within_reach(1e4 * Real::from(links))?;
     let chain = Chain {
         links: links as usize,

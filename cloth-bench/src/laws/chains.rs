@@ -50,9 +50,7 @@ pub(super) fn chain(
 const MOST_STEPS: u32 = 100_000;
 
 fn sag(own: &SagSettings) -> Result<Evaluation, BenchError> {
-    let links = *own.links;
-    let substeps = *own.substeps;
-    let iterations = *own.iterations;
+    let (links, substeps, iterations) = (*own.links, *own.substeps, *own.iterations);
     let [n, of_substeps, sweeps] = [links, substeps, iterations].map(Real::from);
     // The matrix of the sweeps is made one sweep after the other.
     within_reach(n.powi(3) * (sweeps + 10.0) + 30.0 * n * of_substeps * sweeps)?;
@@ -200,9 +198,7 @@ fn hanging_chain(own: &HangingChainSettings) -> Result<Evaluation, BenchError> {
     let links = *own.links;
     within_reach(2e6 * Real::from(links))?;
     let links = links as usize;
-    let k = *own.stiffness;
-    let m = *own.mass;
-    let extra = *own.tip_mass;
+    let (k, m, extra) = (*own.stiffness, *own.mass, *own.tip_mass);
     let mut masses = vec![m; links + 1];
     masses[links] = m + extra;
     let (particles, springs, mut state) = chain(masses, k)?;

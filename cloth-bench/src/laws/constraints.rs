@@ -1,8 +1,8 @@
 //! How stiff one constraint is, as simulated.
 
 use super::prelude::*;
+use super::xpbd::sweeps;
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
-use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
 law! {
     XPBD_CONSTRAINT = "xpbd-constraint" within 1e-10,
@@ -71,15 +71,8 @@ fn xpbd_constraint(own: &XpbdConstraintSettings) -> Result<Evaluation, BenchErro
     let stretched = Stretched::new(k)?;
     let iterations = *own.iterations;
     within_reach(100.0 * Real::from(iterations))?;
-    let mut solver = XpbdSolver::builder(&stretched.particles)
-        .elements(vec![Elements::Springs(vec![stretched.spring])])
-        .config(XpbdConfig {
-            iterations,
-            substeps: 1,
-            ..Default::default()
-        })
-        .build()
-        .map_err(BenchError::usage)?;
+    let spring = vec![stretched.spring];
+    let mut solver = sweeps(&stretched.particles, spring, iterations, 0.0)?;
     let dt = *own.dt;
     let measured = stretched.effective_stiffness(&mut solver, dt)?;
     Ok(Evaluation::new(k, measured).rounding(Stretched::rounding(k, dt)))

@@ -5,7 +5,7 @@ use crate::method::Method;
 use crate::run;
 use crate::scene::file;
 use crate::settings::Setting;
-use crate::studies::contact::laws::{Measured, rest, slide_with};
+use crate::studies::contact::laws::{Measured, SQUARE, rest, slide};
 use crate::studies::contact::{cylinder, laws};
 use std::path::Path;
 
@@ -79,15 +79,13 @@ fn told(Measured { expected, measured }: Measured) -> Evaluation {
 }
 
 fn incline(own: &InclineSettings) -> Result<Evaluation, BenchError> {
-    Ok(told(slide_with(
-        &own.method,
-        *own.angle_deg,
-        *own.friction,
-    )?))
+    let [way, _] = slide(&own.method, *own.angle_deg, *own.friction)?;
+    Ok(told(way))
 }
 
 fn barrier_gap(own: &BarrierGapSettings) -> Result<Evaluation, BenchError> {
-    Ok(told(rest(&own.method, *own.density)?))
+    let [gap, _] = rest(&own.method, SQUARE, *own.density, 60)?;
+    Ok(told(gap))
 }
 
 fn stack(own: &StackSettings) -> Result<Evaluation, BenchError> {

@@ -18,6 +18,7 @@
 use super::models::{Model, ModelSetting};
 use super::prelude::*;
 use super::strip::{Equilibrium, Shape, Strip};
+use crate::bisection::bisected;
 use cloth_massspring::Accept;
 use std::f64::consts::FRAC_PI_2;
 
@@ -52,15 +53,9 @@ const STEPS: usize = 4000;
 /// π/2 would not keep a digit of it.
 pub fn exact(gamma: Real) -> Profile {
     // δ(1) grows with δ(0), and at least as fast as it would without gravity: δ(0) ≤ π/2.
-    let [mut low, mut high] = [-gamma.sqrt() - 10.0, FRAC_PI_2.ln()];
-    for _ in 0..64 {
-        let middle = 0.5 * (low + high);
-        if integrate(gamma, middle.exp()).0 > FRAC_PI_2 {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
+    let ends = [-gamma.sqrt() - 10.0, FRAC_PI_2.ln()];
+    let is_below = |tip: Real| integrate(gamma, tip.exp()).0 <= FRAC_PI_2;
+    let [low, high] = bisected(ends, 64, is_below);
     integrate(gamma, (0.5 * (low + high)).exp()).1
 }
 

@@ -114,8 +114,7 @@ impl Scheme {
 }
 
 fn oscillator(own: &OscillatorSettings) -> Result<Evaluation, BenchError> {
-    let scheme = *own.scheme;
-    let z = *own.z;
+    let (scheme, z) = (*own.scheme, *own.z);
     let (amplification, phase) = match scheme {
         Scheme::Bdf2 => two_step_map(z)?,
         _ => one_step_map(scheme.solver(z * z)?)?,
@@ -193,8 +192,7 @@ fn two_step_map(z: Real) -> Result<(Real, Real), BenchError> {
 
 fn free_fall(own: &FreeFallSettings) -> Result<Evaluation, BenchError> {
     let method = Method::find(&own.method)?;
-    let steps = *own.steps;
-    let side = *own.n;
+    let (steps, side) = (*own.steps, *own.n);
     within_reach(5e3 * Real::from(side).powi(2) * Real::from(steps))?;
     let sheet = Settings::default().with("n", side).with("pins", "none");
     let scene = scene::build("drop", None, &sheet)?;

@@ -128,8 +128,7 @@ fn relaxed(mut across: impl FnMut(Real) -> Result<Real, BenchError>) -> Result<R
 fn patch(own: &PatchSettings) -> Result<Evaluation, BenchError> {
     let (sheet, load) = (*own.element, *own.load);
     let angle = own.direction_deg.to_radians();
-    let s = *own.stretch;
-    let poisson = *own.poisson;
+    let (s, poisson) = (*own.stretch, *own.poisson);
     let (mesh, energies) = sheet.build(poisson)?;
     let [expected_width, width] = match load {
         Load::Equibiaxial => [s, s],

@@ -1,6 +1,7 @@
 //! Swings: the pendulum at any angle, and the small swings of a chain.
 
 use super::prelude::*;
+use crate::bisection::bisected;
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitMidpoint};
 use std::f64::consts::PI;
 
@@ -90,15 +91,7 @@ fn crossing([x0, x1]: [Real; 2], [v0, v1]: [Real; 2]) -> Real {
         r * r * (1.0 + 2.0 * s) * x0 + s * r * r * v0 + s * s * (3.0 - 2.0 * s) * x1
             - s * s * r * v1
     };
-    let [mut low, mut high] = [0.0, 1.0];
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if value(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let [low, high] = bisected([0.0, 1.0], 60, |s| value(s) > 0.0);
     0.5 * (low + high)
 }
 
@@ -111,11 +104,9 @@ fn agm(mut a: Real, mut b: Real) -> Real {
 }
 
 fn pendulum(own: &PendulumSettings) -> Result<Evaluation, BenchError> {
-    let angle = *own.angle_deg;
-    let scheme = *own.method;
-    let steps = *own.steps;
+    let (scheme, steps) = (*own.method, *own.steps);
     within_reach(4e3 * Real::from(steps))?;
-    let angle = angle.to_radians();
+    let angle = own.angle_deg.to_radians();
     let mut particles = Particles::new(vec![1.0; 2])?;
     particles.prescribe(0)?;
     let positions = vec![Vec3::zeros(), Vec3::new(angle.sin(), 0.0, -angle.cos())];
@@ -133,8 +124,7 @@ fn pendulum(own: &PendulumSettings) -> Result<Evaluation, BenchError> {
 }
 
 fn chain_swing(own: &ChainSwingSettings) -> Result<Evaluation, BenchError> {
-    let links = *own.links;
-    let steps = *own.steps;
+    let (links, steps) = (*own.links, *own.steps);
     let (n, of_steps) = (Real::from(links), Real::from(steps));
     within_reach(10.0 * n.powi(3) + 2e3 * n * of_steps)?;
     let links = links as usize;

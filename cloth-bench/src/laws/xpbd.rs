@@ -69,6 +69,23 @@ pub(super) const DIRECT_STEP: Law = Law {
     evaluate: direct_step,
 };
 
+/// So many sweeps over springs in one substep, with stiffness-proportional damping (s).
+pub(super) fn sweeps(
+    particles: &Particles,
+    springs: Vec<Spring>,
+    iterations: u32,
+    damping: Real,
+) -> Result<XpbdSolver, BenchError> {
+    let config = XpbdConfig {
+        iterations,
+        substeps: 1,
+        damping,
+        ..XpbdConfig::default()
+    };
+    let builder = XpbdSolver::builder(particles).elements(vec![Elements::Springs(springs)]);
+    builder.config(config).build().map_err(BenchError::usage)
+}
+
 /// The step of a chain, let go sideways, after 0.3 s of implicit Euler.
 fn swinging(own: &Swinging) -> Result<(scene::Scene, StepProblem), BenchError> {
     let (links, dt) = (*own.links, *own.dt);
@@ -91,15 +108,8 @@ fn xpbd_compliance(settings: &Settings) -> Result<Evaluation, BenchError> {
     let links = *chain.links;
     within_reach(30.0 * Real::from(links) * Real::from(iterations))?;
     let (scene, problem) = swinging(&chain)?;
-    let mut solver = XpbdSolver::builder(&scene.model.particles)
-        .elements(vec![Elements::Springs(scene.model.springs.clone())])
-        .config(XpbdConfig {
-            iterations,
-            substeps: 1,
-            ..XpbdConfig::default()
-        })
-        .build()
-        .map_err(BenchError::usage)?;
+    let (particles, springs) = (&scene.model.particles, scene.model.springs.clone());
+    let mut solver = sweeps(particles, springs, iterations, 0.0)?;
     let mut state = problem.state().clone();
     let input = StepInput::new(*chain.dt).gravity(scene.gravity);
     solver.step(&mut state, input)?;
@@ -133,11 +143,8 @@ fn direct_step(settings: &Settings) -> Result<Evaluation, BenchError> {
 const STRETCH: Real = 0.5;
 
 fn xpbd_damping(own: &XpbdDampingSettings) -> Result<Evaluation, BenchError> {
-    let k = *own.stiffness;
-    let beta = *own.damping;
-    let h = *own.dt;
-    let speed = *own.speed;
-    let iterations = *own.iterations;
+    let (k, beta, h) = (*own.stiffness, *own.damping, *own.dt);
+    let (speed, iterations) = (*own.speed, *own.iterations);
     within_reach(100.0 * Real::from(iterations))?;
     let mut particles = Particles::new(vec![1.0; 2])?;
     particles.prescribe(0)?;
@@ -146,16 +153,7 @@ fn xpbd_damping(own: &XpbdDampingSettings) -> Result<Evaluation, BenchError> {
         rest_length: 1.0,
         stiffness: k,
     };
-    let mut solver = XpbdSolver::builder(&particles)
-        .elements(vec![Elements::Springs(vec![spring])])
-        .config(XpbdConfig {
-            iterations,
-            substeps: 1,
-            damping: beta,
-            ..XpbdConfig::default()
-        })
-        .build()
-        .map_err(BenchError::usage)?;
+    let mut solver = sweeps(&particles, vec![spring], iterations, beta)?;
     let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::new(1.0 + STRETCH, 0.0, 0.0)]);
     state.velocities[1].x = speed;
     let predicted = STRETCH + h * speed;
@@ -173,26 +171,15 @@ fn xpbd_damping(own: &XpbdDampingSettings) -> Result<Evaluation, BenchError> {
 }
 
 fn support_force(own: &SupportForceSettings) -> Result<Evaluation, BenchError> {
-    let links = *own.links;
-    let iterations = *own.iterations;
+    let (links, iterations) = (*own.links, *own.iterations);
     within_reach(30.0 * Real::from(STEPS) * Real::from(links) * Real::from(iterations))?;
     let links = links as usize;
-    let mass = *own.mass;
-    let tip = *own.tip_mass;
+    let (mass, tip) = (*own.mass, *own.tip_mass);
     let mut masses = vec![mass; links + 1];
     masses[links] = tip;
     let weight = GRAVITY * (mass * (links as Real - 1.0) + tip);
     let (particles, springs, mut state) = chain(masses, *own.stiffness)?;
-    let mut solver = XpbdSolver::builder(&particles)
-        .elements(vec![Elements::Springs(springs)])
-        .config(XpbdConfig {
-            iterations,
-            substeps: 1,
-            damping: 0.01,
-            ..XpbdConfig::default()
-        })
-        .build()
-        .map_err(BenchError::usage)?;
+    let mut solver = sweeps(&particles, springs, iterations, 0.01)?;
     for _ in 0..STEPS {
         let input = StepInput::new(0.1).gravity(Vec3::z() * -GRAVITY);
         solver.step(&mut state, input)?;

@@ -12,9 +12,6 @@ use std::sync::Arc;
 
 /// The file: columns `study`, `table`, `row` (from 0), `column`, `number` and `text`, of which the last two are null
 /// where the value is of the other kind or missing.
-///
-/// # Errors
-/// [`BenchError::Failed`] if the library refuses the data.
 pub fn file<'a>(
     tables: impl IntoIterator<Item = (&'a str, &'a str, &'a Table)>,
 ) -> Result<Vec<u8>, BenchError> {

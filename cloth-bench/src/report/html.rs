@@ -135,9 +135,7 @@ impl Report {
              {leading}{answers}{contents}{sections}</main>\n{script}</body>\n</html>\n"
         )
     }
-}
 
-impl Report {
     fn answers_to_html(&self) -> String {
         if self.answers.is_empty() {
             return String::new();

@@ -59,7 +59,6 @@ impl Film {
     }
 
     /// The same where each vertex in each frame, one after the other, is red by these fractions, from 0 to 1.
-    #[must_use]
     pub fn with_colors(self, fractions: impl Iterator<Item = f64>) -> Self {
         let reds: Vec<u8> = fractions.map(|red| (255.0 * red).round() as u8).collect();
         Self {

@@ -15,9 +15,6 @@ pub struct Rasterizer {
 #[cfg(not(feature = "plots-as-png"))]
 impl Rasterizer {
     /// Says that the program was built without it.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`], always.
     pub fn new() -> Result<Self, BenchError> {
         Err(BenchError::Usage(
             "this program was built without plots as PNG; build it with `--features plots-as-png`"
@@ -26,9 +23,6 @@ impl Rasterizer {
     }
 
     /// Never called: there is no rasteriser.
-    ///
-    /// # Errors
-    /// None.
     pub fn png(&self, _: &str) -> Result<Vec<u8>, BenchError> {
         Ok(Vec::new())
     }
@@ -40,9 +34,6 @@ impl Rasterizer {
     const SCALE: f32 = 2.0;
 
     /// With the fonts of the system.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] if the system has no font.
     pub fn new() -> Result<Self, BenchError> {
         let mut options = resvg::usvg::Options::default();
         let fonts = options.fontdb_mut();
@@ -75,9 +66,6 @@ impl Rasterizer {
     }
 
     /// The drawing as a PNG file, on white, two pixels for one.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if the drawing is not SVG or too large.
     pub fn png(&self, svg: &str) -> Result<Vec<u8>, BenchError> {
         use resvg::tiny_skia::{Color, Pixmap, Transform};
         let tree = resvg::usvg::Tree::from_str(svg, &self.options)?;

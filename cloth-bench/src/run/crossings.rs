@@ -20,9 +20,6 @@ struct Crossings<'a> {
 /// A sentence about the cloth in itself, and one about it in bodies, where a run of `steps` steps that began with the
 /// scene `start` has made crossings that were not there at its start: at its end, or after any step where it was
 /// watched and nothing crossed at the start.
-///
-/// # Errors
-/// [`BenchError::Failed`] as [`SeparationWatch::look`].
 pub fn crossing_warnings(
     start: &Scene,
     summary: &Summary,
@@ -49,7 +46,7 @@ pub fn crossing_warnings(
     let touch = start.touch.as_ref().filter(|touch| !touch.is_idle());
     let nothing = || "nothing is touched in this scene".to_owned();
     let own = match touch {
-        Some(touch) if touch.touches_itself() => None,
+        Some(touch) if touch.self_collision => None,
         Some(_) => Some("the cloth does not touch itself in this scene".to_owned()),
         None => Some(nothing()),
     };

@@ -135,10 +135,12 @@ pub(super) struct EnergyBalance {
     particles: Particles,
     gravity: Vec3,
     energies: Energies,
-    steps: u32,
+    /// Steps that are over, of one part or several.
+    pub(super) steps: u32,
     /// `K₀ + E₀ + U₀` (J).
     start: Real,
-    entries: Entries,
+    /// What has been entered so far; put back to before a step that is taken back.
+    pub(super) entries: Entries,
     bodies: BodyEnergy,
     /// Positions (m) where the step begins.
     before: Vec<Vec3>,
@@ -151,12 +153,14 @@ pub(super) struct EnergyBalance {
 pub(super) struct Entries {
     /// W (J).
     work: Real,
-    /// The most that was given (J).
-    most_given: Real,
-    /// What is held and what has been given (J) by now.
-    now: [Real; 2],
-    excess: Real,
-    gain: Option<EnergyGain>,
+    /// The most that was given until any step (J).
+    pub(super) most_given: Real,
+    /// What the cloth holds after the last step, and what it has been given until then (J).
+    pub(super) now: [Real; 2],
+    /// The largest excess so far (J), 0 if it was never more than rounding.
+    pub(super) excess: Real,
+    /// When the cloth first moved with energy that it was never given, if it did.
+    pub(super) gain: Option<EnergyGain>,
     /// The same of the last step alone.
     suspicion: Option<EnergyGain>,
 }
@@ -203,16 +207,6 @@ impl EnergyBalance {
         self.energies = scene.elastic()?;
         self.energies.set_time(state.time);
         Ok(())
-    }
-
-    /// What has been entered so far.
-    pub(super) fn entries(&self) -> Entries {
-        self.entries
-    }
-
-    /// Goes back to what had been entered before a step that is taken back.
-    pub(super) fn take_back(&mut self, entries: Entries) {
-        self.entries = entries;
     }
 
     /// Notes where a step begins. Moving pins have their velocities by then.
@@ -289,31 +283,6 @@ impl EnergyBalance {
             let before = std::mem::replace(&mut self.entries.suspicion, now);
             self.entries.gain = now.and(before);
         }
-    }
-
-    /// A step is over, of one part or several.
-    pub(super) fn count_step(&mut self) {
-        self.steps += 1;
-    }
-
-    /// What the cloth holds after the last step, and what it has been given until then (J).
-    pub(super) fn now(&self) -> [Real; 2] {
-        self.entries.now
-    }
-
-    /// The largest excess so far (J), 0 if it was never more than rounding.
-    pub(super) fn excess(&self) -> Real {
-        self.entries.excess
-    }
-
-    /// The most that was given until any step (J).
-    pub(super) fn given(&self) -> Real {
-        self.entries.most_given
-    }
-
-    /// When the cloth first moved with energy that it was never given, if it did.
-    pub(super) fn gain(&self) -> Option<EnergyGain> {
-        self.entries.gain
     }
 
     fn pins_move(&self, state: &State) -> bool {

@@ -10,7 +10,6 @@ use super::energy::EnergyBalance;
 use super::pin_loads::PinLoads;
 use super::timed::Timed;
 use crate::error::BenchError;
-use crate::scene::ContactSetup;
 use cloth_collide::potential::ContactForces;
 use cloth_core::math::Real;
 use cloth_core::particles::State;
@@ -56,7 +55,7 @@ impl Course<'_> {
         self.contact_seconds = taken.in_contact;
         self.put_bodies(state.time)?;
         if let Some(balance) = balance {
-            balance.count_step();
+            balance.steps += 1;
         }
         report.ok_or_else(|| BenchError::Failed("a step of no parts".into()))
     }
@@ -75,7 +74,7 @@ impl Course<'_> {
         let before = may_halve.then(|| {
             (
                 state.clone(),
-                balance.as_deref().map(EnergyBalance::entries),
+                balance.as_deref().map(|balance| balance.entries),
             )
         });
         let report = self.part(stepper, state, dt, balance.as_deref_mut())?;
@@ -85,11 +84,8 @@ impl Course<'_> {
             .contacts
             .as_ref()
             .map_or(0.0, |c| c.source.contacts.largest_push());
-        let thickness = self
-            .scene
-            .touch
-            .as_ref()
-            .map_or(Real::INFINITY, ContactSetup::thickness);
+        let touch = self.scene.touch.as_ref();
+        let thickness = touch.map_or(Real::INFINITY, |touch| touch.thickness);
         let Some((start, entries)) = before.filter(|_| pushed > thickness) else {
             self.add_forces(dt / taken.dt);
             return Ok(report);
@@ -99,7 +95,7 @@ impl Course<'_> {
             contacts.source.contacts.take_back();
         }
         if let (Some(balance), Some(entries)) = (&mut balance, entries) {
-            balance.take_back(entries);
+            balance.entries = entries;
         }
         let half = (0.5 * dt, halvings - 1);
         let first = self.resolve(stepper, state, half, balance.as_deref_mut(), taken)?;

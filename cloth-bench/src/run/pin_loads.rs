@@ -6,9 +6,9 @@ use cloth_core::particles::Particles;
 /// Forces (N), one per vertex, zero where none is held.
 #[derive(Debug)]
 pub(super) struct PinLoads {
-    /// Of the last part of the step, and the mean of its parts so far.
-    part: Vec<Vec3>,
-    mean: Vec<Vec3>,
+    /// Of the last part of the step, where a method writes those of the elements; and the mean of its parts so far.
+    pub(super) part: Vec<Vec3>,
+    pub(super) mean: Vec<Vec3>,
 }
 
 impl PinLoads {
@@ -22,11 +22,6 @@ impl PinLoads {
 
     pub(super) fn begin_step(&mut self) {
         self.mean.fill(Vec3::zeros());
-    }
-
-    /// Where a method writes the forces of the elements in a part.
-    pub(super) fn of_part(&mut self) -> &mut [Vec3] {
-        &mut self.part
     }
 
     /// Adds to a part the weight of the held vertices themselves, and the load (N) on them.
@@ -49,9 +44,5 @@ impl PinLoads {
         for (mean, part) in self.mean.iter_mut().zip(&self.part) {
             *mean += part * share;
         }
-    }
-
-    pub(super) fn mean(&self) -> &[Vec3] {
-        &self.mean
     }
 }

@@ -6,7 +6,6 @@ use cloth_core::math::Real;
 
 impl Summary {
     /// A sentence about a start nearer than the thickness, if contact throws the cloth away from there.
-    #[must_use]
     pub fn start_warning(&self) -> Option<String> {
         self.start_lift.map(|lift| {
             format!(
@@ -24,5 +23,5 @@ pub(super) fn lift(scene: &Scene, energy: Real) -> Option<Real> {
     let (particles, touch) = (&scene.model.particles, scene.touch.as_ref()?);
     let free = (0..particles.len()).filter(|&v| !particles.is_prescribed(v));
     let mass: Real = free.map(|v| particles.mass()[v]).sum();
-    Some(energy / (9.81 * mass)).filter(|lift| *lift > touch.thickness())
+    Some(energy / (9.81 * mass)).filter(|lift| *lift > touch.thickness)
 }

@@ -20,16 +20,14 @@ pub(super) struct StretchWatch {
     gauges: Vec<Spring>,
     /// After how many changes of the scene these are.
     changes: Option<usize>,
-    strain: Real,
+    /// Dimensionless.
+    pub(super) strain: Real,
     /// The edge, in the caller's numbers, and the step.
     place: ([u32; 2], u32),
 }
 
 impl StretchWatch {
     /// Looks at the state after a step of a scene that has changed so many times.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for numbers that are nonsense.
     pub(super) fn look(
         &mut self,
         (scene, changes): (&Scene, usize),
@@ -67,11 +65,6 @@ impl StretchWatch {
             )));
         }
         Ok(())
-    }
-
-    /// The largest strain after any step (dimensionless).
-    pub(super) fn strain(&self) -> Real {
-        self.strain
     }
 
     /// A sentence about it, if it is worth one.

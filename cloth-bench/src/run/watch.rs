@@ -37,9 +37,6 @@ pub struct SeparationWatch {
 
 impl SeparationWatch {
     /// For a run of this scene.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for more triangles, with those of bodies, than fit.
     pub fn new(scene: &Scene) -> Result<Self, BenchError> {
         Ok(Self {
             probe: scene.separation_probe(),

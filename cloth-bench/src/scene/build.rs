@@ -5,6 +5,7 @@ use super::contact::ContactSetup;
 use super::midpoints::{self, Midpoints, Points};
 use super::touching::{self, Below};
 use super::{Axis, Chain, Floor, Grid, Placed, SCENES, Scene, SceneInfo, Strip, Weight, pins};
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::mesh_spec;
 use crate::names;
@@ -19,17 +20,8 @@ use cloth_core::particles::Particles;
 
 impl SceneInfo {
     /// The scene of that name.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
-        SCENES
-            .iter()
-            .find(|scene| scene.name == name)
-            .ok_or_else(|| {
-                let known: Vec<&str> = SCENES.iter().map(|s| s.name).collect();
-                BenchError::Usage(names::unknown("scene", name, &known))
-            })
+        names::find("scene", name, SCENES.iter(), |scene| scene.name)
     }
 }
 
@@ -198,12 +190,8 @@ fn cantilever(settings: &Settings) -> Result<Scene, BenchError> {
         .map_err(BenchError::usage)?;
     let mut model = cloth::cut(settings, &mesh)?;
     // Two columns of vertices are held: position and direction of the clamped end.
-    let left = mesh
-        .positions()
-        .iter()
-        .map(|p| p.x)
-        .fold(Real::INFINITY, Real::min);
-    let clamp = left + 1.5 * length / along as Real;
+    let [low, _] = bounds(mesh.positions().iter().copied());
+    let clamp = low.x + 1.5 * length / along as Real;
     let held: Vec<usize> = (0..mesh.vertex_count())
         .filter(|&v| mesh.positions()[v].x < clamp)
         .collect();

@@ -94,9 +94,6 @@ pub enum ChangeKind {
 
 impl Scene {
     /// The scene after a change of its cloth, which is in this state; the state of held vertices changes with it.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for a vertex that does not exist.
     pub(crate) fn after(&self, change: &Change, state: &mut State) -> Result<Self, BenchError> {
         let mut scene = self.clone();
         match &change.kind {

@@ -4,6 +4,7 @@ mod surfaces;
 
 pub use surfaces::BodySurface;
 
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::settings::{Auto, Choice, Or, Range::*, Settings, Table};
 use cloth_collide::obstacle::{AnimatedMesh, Obstacle, RigidBody, RigidMotion};
@@ -60,9 +61,7 @@ const USUAL_STIFFNESS: Real = 1e6;
 
 /// The pressure (Pa) of the weight of a body on the smallest side of the box around its surface.
 fn pressure(body: &RigidBody, surface: &TriMesh) -> Real {
-    let first = surface.positions().first().copied().unwrap_or_default();
-    let wider = |(low, high): (Vec3, Vec3), x: &Vec3| (low.inf(x), high.sup(x));
-    let (low, high) = surface.positions().iter().fold((first, first), wider);
+    let [low, high] = bounds(surface.positions().iter().copied());
     let size = high - low;
     let side = [size.x * size.y, size.y * size.z, size.z * size.x];
     body.mass() * body.gravity().norm() / side.into_iter().fold(Real::INFINITY, Real::min)
@@ -158,15 +157,32 @@ pub(super) enum Body {
     Animated(TriMesh, AnimatedMesh, Option<Real>),
 }
 
-/// A rigid body as messages name it.
-pub(super) struct NamedBody<'a> {
+/// A rigid body, as contact has it.
+#[derive(Clone, Debug)]
+pub(super) struct RigidSetup {
     /// In the scene, from 0.
     pub(super) number: usize,
     /// As a scene file calls its shape.
     pub(super) kind: &'static str,
-    pub(super) obstacle: &'a Obstacle,
-    /// Whether triangles of the cloth touch its own.
-    pub(super) has_triangles: bool,
+    pub(super) obstacle: Obstacle,
+    /// Its surface around its own origin.
+    surface: TriMesh,
+    /// Mass and inertia, if the cloth pushes it.
+    free: Option<RigidBody>,
+    /// Coefficient of friction (dimensionless).
+    friction: Real,
+}
+
+impl RigidSetup {
+    /// Whether triangles of the cloth touch its own; if not, they are for pictures.
+    pub(super) fn has_triangles(&self) -> bool {
+        self.kind != "plane"
+    }
+
+    /// Whether there is a signed distance from it.
+    fn has_inside(&self) -> bool {
+        self.obstacle.shape().error_bound() < Real::INFINITY
+    }
 }
 
 /// Splits of an icosahedron's edges so fine that its sphere (m) comes out of no triangle by more than a quarter of the
@@ -196,30 +212,25 @@ pub(super) struct PieceContact {
 pub struct ContactSetup {
     /// Whether contact is switched on.
     is_on: bool,
-    self_collision: bool,
-    thickness: Real,
+    /// Whether the cloth can touch itself, where contact is switched on.
+    pub(crate) self_collision: bool,
+    /// Distance to keep (m).
+    pub(crate) thickness: Real,
     stiffness: Real,
     friction: Real,
     restitution: Option<Real>,
     untangles: bool,
     pinched_passes: bool,
     broad_phase: BroadPhaseKind,
-    obstacles: Vec<Obstacle>,
-    /// Their coefficients of friction (dimensionless).
-    frictions: Vec<Real>,
-    /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
-    shapes: Vec<(TriMesh, bool)>,
-    /// As a scene file calls their shapes.
-    kinds: Vec<&'static str>,
-    /// Those of them that the cloth pushes, by their numbers.
-    free: Vec<(usize, RigidBody)>,
+    pub(super) rigid: Vec<RigidSetup>,
     /// Those of them that are held, and bodies that will be driven otherwise than at the start.
     pub(super) held: Vec<usize>,
     pub(super) driven: Vec<usize>,
     /// Of these on their contact (rad/s); 0 without any.
     highest_frequency: Real,
+    /// Surfaces that change their shape, and their coefficients of friction (dimensionless).
     animated: Vec<(TriMesh, AnimatedMesh, Real)>,
-    /// Numbers of the obstacles, and of the animated surfaces behind them, in the scene, from 0.
+    /// Numbers of the rigid bodies, and of the animated surfaces behind them, in the scene, from 0.
     numbers: Vec<usize>,
     /// What a user should know of the bodies.
     notes: Vec<String>,
@@ -238,10 +249,8 @@ impl ContactSetup {
         let (surface, own) = (Surface::read(settings)?, Contact::read(settings)?);
         let (friction, restitution) = (*surface.friction, *own.restitution);
         let is_on = *own.contact == Acts::Potential;
-        let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut obstacles, mut frictions, mut notes) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut rigid_numbers, mut animated_numbers) = (Vec::new(), Vec::new());
-        let mut kinds = Vec::new();
+        let (mut rigid, mut animated): (Vec<RigidSetup>, Vec<_>) = Default::default();
+        let (mut animated_numbers, mut notes) = (Vec::new(), Vec::new());
         let mut is_common_friction_felt = *own.collides;
         let mut friction_of = |own: Option<Real>| {
             is_common_friction_felt |= own.is_none();
@@ -260,50 +269,51 @@ impl ContactSetup {
                     notes.extend(why_hollow.map(|why| {
                         format!("obstacle {number} has no inside, since {why}: its triangles alone keep the cloth off")
                     }));
-                    frictions.push(friction_of(friction));
-                    free_bodies.extend(free.map(|body| (shapes.len(), *body)));
-                    rigid_numbers.push(number);
-                    obstacles.push(obstacle);
-                    kinds.push(kind);
-                    shapes.push((surface, kind != "plane"));
+                    rigid.push(RigidSetup {
+                        number,
+                        kind,
+                        obstacle,
+                        surface,
+                        free: free.map(|body| *body),
+                        friction: friction_of(friction),
+                    });
                 }
-                Body::Animated(mesh, animation, friction) => {
+                Body::Animated(surface, animation, friction) => {
                     animated_numbers.push(number);
-                    animated.push((mesh, animation, friction_of(friction)));
+                    animated.push((surface, animation, friction_of(friction)));
                 }
             }
         }
         let thickness = surface.thickness_of(mesh);
-        let needed = |(number, body): &(usize, RigidBody)| {
-            let (surface, _): &(TriMesh, bool) = &shapes[*number];
-            3.0 * pressure(body, surface) / thickness
+        let free = || {
+            let free = rigid.iter().map(|body| (body.free.as_ref(), &body.surface));
+            free.filter_map(|(free, surface)| Some((free?, surface)))
         };
         let stiffness = match *own.contact_stiffness {
             Or::Value(stiffness) => stiffness,
-            Or::Word(Auto::Auto) => free_bodies
-                .iter()
-                .map(needed)
+            Or::Word(Auto::Auto) => free()
+                .map(|(body, surface)| 3.0 * pressure(body, surface) / thickness)
                 .filter(|needed| needed.is_finite())
                 .fold(USUAL_STIFFNESS, Real::max),
         };
-        let frequency = |(number, body): &(usize, RigidBody)| {
-            let (surface, _): &(TriMesh, bool) = &shapes[*number];
-            body.highest_frequency(stiffness, surface)
-        };
-        let highest_frequency = free_bodies.iter().map(frequency).fold(0.0, Real::max);
+        let highest_frequency = free()
+            .map(|(body, surface)| body.highest_frequency(stiffness, surface))
+            .fold(0.0, Real::max);
         let self_collision = *own.collides;
+        let has_bodies = !rigid.is_empty() || !animated.is_empty();
         // Planes alone have no triangles to be found.
-        if !self_collision && animated.is_empty() && shapes.iter().all(|shape| !shape.1) {
+        let has_triangles = !animated.is_empty() || rigid.iter().any(RigidSetup::has_triangles);
+        if !self_collision && !has_triangles {
             let what = "triangles to touch (self=yes, or a body that is no plane)";
             own.untangle.refuse_without(what)?;
             if is_on {
                 own.broad_phase.refuse_without(what)?;
             }
         }
-        if is_on && shapes.is_empty() && animated.is_empty() {
+        if is_on && !has_bodies {
             own.pinched.refuse_without("an obstacle")?;
         }
-        if is_on && (self_collision || !shapes.is_empty() || !animated.is_empty()) {
+        if is_on && (self_collision || has_bodies) {
             notes.extend(surface.note(mesh));
         }
         surface.check(mesh)?;
@@ -314,7 +324,7 @@ impl ContactSetup {
             ));
         }
         // contact=none switches contact off, whatever else is said of it.
-        if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
+        if is_on && !self_collision && !has_bodies {
             let what = "anything to touch (self=yes)";
             own.contact.refuse_without(what)?;
             surface.thickness.refuse_without(what)?;
@@ -322,7 +332,9 @@ impl ContactSetup {
             surface.friction.refuse_without(what)?;
             own.restitution.refuse_without(what)?;
         }
+        let rigid_numbers = rigid.iter().map(|body| body.number);
         Ok(Self {
+            numbers: rigid_numbers.chain(animated_numbers).collect(),
             is_on,
             self_collision,
             thickness,
@@ -332,16 +344,11 @@ impl ContactSetup {
             untangles: *own.untangle,
             pinched_passes: *own.pinched == Pinched::Pass,
             broad_phase: *own.broad_phase,
-            obstacles,
-            frictions,
-            shapes,
-            kinds,
-            free: free_bodies,
+            rigid,
             held: Vec::new(),
             driven: Vec::new(),
             highest_frequency,
             animated,
-            numbers: [rigid_numbers, animated_numbers].concat(),
             notes,
             is_common_friction_felt,
             pieces: None,
@@ -359,14 +366,8 @@ impl ContactSetup {
 
     /// Whether there is nothing to touch, or nothing to be done about it.
     pub(crate) fn is_idle(&self) -> bool {
-        let has_bodies = !self.shapes.is_empty() || !self.animated.is_empty();
-        let alone = !self.self_collision && !has_bodies;
+        let alone = !self.self_collision && self.numbers.is_empty();
         alone || !self.is_on
-    }
-
-    /// Whether the cloth can touch itself, where contact is switched on.
-    pub(crate) fn touches_itself(&self) -> bool {
-        self.self_collision
     }
 
     /// Whether what hits something leaves it with a given part of its speed, which is not zero.
@@ -381,9 +382,6 @@ impl ContactSetup {
 
     /// What resolves contact of the cloth `mesh` with this seam, from a time (s) on; nothing where there is nothing to
     /// touch.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] for a mesh or a setting that does not serve.
     pub fn source(
         &self,
         mesh: &TriMesh,
@@ -411,14 +409,16 @@ impl ContactSetup {
         if let Some(restitution) = self.restitution {
             contacts = contacts.restitution(restitution);
         }
-        for (obstacle, friction) in self.obstacles.iter().zip(&self.frictions) {
-            contacts = contacts.obstacle(obstacle.clone(), *friction);
+        for body in &self.rigid {
+            contacts = contacts.obstacle(body.obstacle.clone(), body.friction);
         }
-        for (number, (surface, _)) in self.shapes.iter().enumerate().filter(|(_, s)| s.1) {
-            contacts = contacts.surface(number, surface.clone());
+        for (number, body) in self.rigid.iter().enumerate() {
+            if body.has_triangles() {
+                contacts = contacts.surface(number, body.surface.clone());
+            }
         }
-        for (number, body) in &self.free {
-            contacts = contacts.free(*number, *body);
+        for (number, body) in self.free_bodies() {
+            contacts = contacts.free(number, *body);
         }
         for (surface, animation, friction) in &self.animated {
             contacts = contacts.animated(surface.clone(), animation.clone(), *friction);
@@ -431,7 +431,6 @@ impl ContactSetup {
     }
 
     /// What counts crossings and measures distances of the cloth `mesh`.
-    #[must_use]
     pub fn separation_probe(&self, mesh: &TriMesh) -> SeparationProbe {
         let probe = SeparationProbe::new(mesh);
         match &self.pieces {
@@ -443,24 +442,26 @@ impl ContactSetup {
     /// Whether no body moves, and none can.
     pub fn stands_still(&self) -> bool {
         let mut bodies = self.obstacles();
-        let none_moves = self.animated.is_empty() && self.free.is_empty() && self.driven.is_empty();
+        let is_pushed = self.free_bodies().next().is_some();
+        let none_moves = self.animated.is_empty() && !is_pushed && self.driven.is_empty();
         none_moves && bodies.all(|o| o.motion().is_still())
     }
 
     /// Whether the cloth can push the obstacle of this number.
-    #[must_use]
     pub fn is_free(&self, number: usize) -> bool {
-        self.free.iter().any(|(free, _)| *free == number)
+        self.rigid
+            .get(number)
+            .is_some_and(|body| body.free.is_some())
     }
 
     /// The mass and inertia of the obstacles that the cloth can push, by their numbers.
     pub fn free_bodies(&self) -> impl Iterator<Item = (usize, &RigidBody)> + '_ {
-        self.free.iter().map(|(number, body)| (*number, body))
+        let all = self.rigid.iter().enumerate();
+        all.filter_map(|(number, body)| Some((number, body.free.as_ref()?)))
     }
 
     /// Into how many equal parts a step of `dt` (s) is cut, so that each resolves the frequency of every body that the
     /// cloth can push on its contact: none is longer than 1/Ω, half of what is stable.
-    #[must_use]
     pub(super) fn parts(&self, dt: Real) -> u32 {
         /// More parts are a slip of the pen.
         const MOST: Real = 1e4;
@@ -472,7 +473,6 @@ impl ContactSetup {
 
     /// Numbers of the bodies in the scene, from 0: of the obstacles in their order, then of the animated surfaces, as
     /// [`ContactForces`](cloth_collide::potential::ContactForces) has them.
-    #[must_use]
     pub fn body_numbers(&self) -> &[usize] {
         &self.numbers
     }
@@ -482,11 +482,6 @@ impl ContactSetup {
         self.notes.iter().map(String::as_str)
     }
 
-    /// Distance to keep (m).
-    pub(crate) fn thickness(&self) -> Real {
-        self.thickness
-    }
-
     /// Takes bodies to where they are at `time` (s), with the velocities that they have.
     pub(crate) fn put(
         &mut self,
@@ -494,12 +489,12 @@ impl ContactSetup {
         time: Real,
     ) -> Result<(), BenchError> {
         for (number, motion) in motions {
-            let Some(obstacle) = self.obstacles.get_mut(number) else {
+            let Some(body) = self.rigid.get_mut(number) else {
                 continue;
             };
             // As if it had always moved like that.
             let pose = motion.pose_at(-time);
-            obstacle
+            body.obstacle
                 .set_motion(RigidMotion { pose, ..motion })
                 .map_err(BenchError::failed)?;
         }
@@ -513,7 +508,7 @@ impl ContactSetup {
         [velocity, angular_velocity]: [Vec3; 2],
         time: Real,
     ) -> Result<(), BenchError> {
-        let pose = self.obstacles[number].motion().pose_at(time);
+        let pose = self.rigid[number].obstacle.motion().pose_at(time);
         let motion = RigidMotion {
             pose,
             velocity,
@@ -524,27 +519,26 @@ impl ContactSetup {
 
     /// The number in contact of an obstacle of the scene, both from 0; of an animated surface nothing.
     pub(super) fn rigid_body(&self, number: usize) -> Option<usize> {
-        let mut numbers = self.numbers[..self.obstacles.len()].iter();
-        numbers.position(|own| *own == number)
+        self.rigid.iter().position(|body| body.number == number)
     }
 
     /// A sentence about each body that the cloth can push, and that starts in another one.
     pub(super) fn overlap_warnings(&self) -> impl Iterator<Item = String> + '_ {
         /// Deeper than by rounding, in parts of the size of a body.
         const ROUNDING: Real = 1e-9;
-        self.free.iter().filter_map(|&(number, _)| {
-            let pose = self.obstacles[number].motion().pose_at(0.0);
-            let own = self.shapes[number].0.positions();
+        self.free_bodies().filter_map(|(number, _)| {
+            let body = &self.rigid[number];
+            let pose = body.obstacle.motion().pose_at(0.0);
+            let own = body.surface.positions();
             let size = own.iter().map(|x| x.norm()).fold(0.0, Real::max);
-            let others = self.obstacles.iter().enumerate().filter(|(other, obstacle)| {
-                *other != number && obstacle.shape().error_bound() < Real::INFINITY
-            });
+            let others = self.rigid.iter().enumerate();
+            let others = others.filter(|(other, body)| *other != number && body.has_inside());
             let depth = |obstacle: &Obstacle| {
                 let depths = own.iter().map(|x| -obstacle.signed_distance(pose.to_world(*x), 0.0).value);
                 depths.fold(Real::NEG_INFINITY, Real::max)
             };
             let (other, depth) = others
-                .map(|(other, obstacle)| (other, depth(obstacle)))
+                .map(|(other, body)| (other, depth(&body.obstacle)))
                 .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
             (depth > ROUNDING * size).then(|| {
                 format!(
@@ -560,31 +554,18 @@ impl ContactSetup {
     /// What messages call the body of a number of contact: of an obstacle, or of an animated surface behind them.
     pub(super) fn body_name(&self, body: usize) -> String {
         let number = self.numbers.get(body).map_or(body, |number| *number);
-        let kind = self.kinds.get(body).copied().unwrap_or("animation");
+        let kind = self.rigid.get(body).map_or("animation", |body| body.kind);
         format!("obstacle {number} ({kind})")
-    }
-
-    /// The obstacles, with what is said of them.
-    pub(super) fn rigid_bodies(&self) -> impl Iterator<Item = NamedBody<'_>> + '_ {
-        let known = self.obstacles().zip(&self.shapes).zip(&self.kinds);
-        let known = known.zip(&self.numbers);
-        known.map(|(((obstacle, shape), &kind), &number)| NamedBody {
-            number,
-            kind,
-            obstacle,
-            has_triangles: shape.1,
-        })
     }
 
     /// The obstacles that the cloth cannot push.
     pub(super) fn standing_obstacles(&self) -> impl Iterator<Item = &Obstacle> + '_ {
-        let all = self.obstacles.iter().enumerate();
-        all.filter(|(number, _)| !self.is_free(*number))
-            .map(|(_, obstacle)| obstacle)
+        let standing = self.rigid.iter().filter(|body| body.free.is_none());
+        standing.map(|body| &body.obstacle)
     }
 
     /// The obstacles where they start, and those that the cloth pushes on the path that they are on now.
     pub fn obstacles(&self) -> impl Iterator<Item = &Obstacle> + '_ {
-        self.obstacles.iter()
+        self.rigid.iter().map(|body| &body.obstacle)
     }
 }

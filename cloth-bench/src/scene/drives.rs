@@ -11,7 +11,6 @@ const INSTANT: Real = 1e-6;
 impl Scene {
     /// The greatest height (m) through which any part of the cloth can fall: its own length, for it may swing, and its
     /// distance from the obstacle that is farthest away; no more than what is above a floor, if nothing can lift it.
-    #[must_use]
     pub fn fall(&self) -> Real {
         let places = &self.start.positions;
         let [low, high] = bounds(places.iter().copied());
@@ -55,7 +54,6 @@ impl Scene {
 
     /// The greatest speed (m/s) with which pins or bodies move at any time, or the cloth at the start where something
     /// can stop it.
-    #[must_use]
     pub fn driving_speed(&self) -> Real {
         let now = self.start.time;
         let pins = self.pins.iter().map(|pins| pins.max_speed(now, INSTANT));

@@ -17,9 +17,6 @@ pub enum HeldMotion {
 
 impl Scene {
     /// Holds these vertices, which are in this state, from now on.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for a vertex that does not exist, or one that its body cannot take along.
     pub(super) fn hold(
         &mut self,
         vertices: &[usize],

@@ -24,9 +24,6 @@ impl Scene {
     /// Refuses free vertices in or on a body that has an inside. Untangling pulls out what goes through triangles of a
     /// body, so where the scene wants it, only a piece that is inside with all of its vertices is refused, and what is
     /// in a plane, which has no triangles.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] with the body and its deepest vertex, in the caller's numbers.
     pub(crate) fn refuse_start_inside(&self, state: &State) -> Result<(), BenchError> {
         let (Some(touch), Some(mesh)) = (&self.touch, &self.mesh) else {
             return Ok(());
@@ -34,7 +31,7 @@ impl Scene {
         if touch.is_idle() {
             return Ok(());
         }
-        for body in touch.rigid_bodies() {
+        for body in &touch.rigid {
             let depth = |v: usize| {
                 let x = state.positions[v];
                 -body.obstacle.signed_distance(x, state.time).value
@@ -49,7 +46,7 @@ impl Scene {
             }
             // What untangling cannot serve: pieces that are inside with all of their vertices, or in a plane.
             let mut stuck = inside.clone();
-            if body.has_triangles {
+            if body.has_triangles() {
                 let edges = EdgeTable::build(mesh).map_err(BenchError::failed)?;
                 let piece = components(mesh.vertex_count(), &edges);
                 let mut is_whole = vec![true; mesh.vertex_count()];
@@ -62,7 +59,7 @@ impl Scene {
                 (true, false) => {
                     ", or have what goes through the surface pulled out (untangle=yes)"
                 }
-                (false, true) if body.has_triangles => {
+                (false, true) if body.has_triangles() => {
                     "; untangle=yes pulls out only what goes through the surface"
                 }
                 _ => "",
@@ -81,7 +78,7 @@ impl Scene {
             let x = state.positions[vertex];
             let (count, number, kind) = (inside.len(), body.number, body.kind);
             let (thickness, at) = (
-                touch.thickness(),
+                touch.thickness,
                 format!("({:.4}, {:.4}, {:.4}) m", x.x, x.y, x.z),
             );
             return Err(BenchError::Usage(if depth <= ON_SURFACE * thickness {

@@ -12,9 +12,6 @@ impl Scene {
     ///
     /// A force F goes through the edges at the vertices on which it acts, and through those at the vertices that are
     /// held. If the fewer of them are n, and edges are l long, that is `F/(n l)`.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if an edge of the mesh is not manifold.
     pub fn lasting_tension(&self) -> Result<Real, BenchError> {
         let x = &self.start.positions;
         let gases = self.gases.iter().map(|gas| gas.tension(x));

@@ -39,7 +39,6 @@ pub(super) fn coincident(x: &[Vec3], distance: Real) -> DisjointSets {
 impl Scene {
     /// Sentences about bow-tie vertices, edges between triangles that are wound against each other, and slivers, if there
     /// are any: all are allowed, and seldom meant.
-    #[must_use]
     pub fn mesh_notes(&self) -> Vec<String> {
         let Some(mesh) = &self.mesh else {
             return Vec::new();
@@ -109,7 +108,6 @@ impl Scene {
 
     /// A sentence about border vertices in the same place that nothing joins, if there are any: the cloth falls apart
     /// there.
-    #[must_use]
     pub fn border_warning(&self) -> Option<String> {
         let mesh = self.mesh.as_ref()?;
         let edges = EdgeTable::build(mesh).ok()?;

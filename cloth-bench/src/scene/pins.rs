@@ -9,9 +9,6 @@ const HIGHEST: Real = 0.01;
 
 /// The vertices that `text` names: `none`, `corners` (of the sheet seen along `up`, both at one end of it), `highest`,
 /// or numbers.
-///
-/// # Errors
-/// [`BenchError::Usage`] for what is none of these, and for a vertex that is not there.
 pub fn chosen(text: &str, positions: &[Vec3], up: Vec3) -> Result<Vec<usize>, BenchError> {
     match text {
         "none" => Ok(Vec::new()),
@@ -54,7 +51,6 @@ fn highest(positions: &[Vec3], up: Vec3) -> Vec<usize> {
 
 /// The two vertices that lie farthest out in the two diagonal directions on one side of the sheet: where up is z on
 /// that of the largest y, where it is y on that of the smallest z, and where it is x on that of the largest z.
-#[must_use]
 pub fn corners(positions: &[Vec3], up: Vec3) -> Vec<usize> {
     let across = if up.x.abs() > 0.5 {
         Vec3::y()

@@ -2,6 +2,7 @@
 
 use super::contact::{Body, ContactSetup, Surface, splits};
 use super::{Grid, Scene, Stack, Twist, Weight, build, cloth};
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::settings::{Settings, Table};
 use cloth_collide::obstacle::{Cuboid, HalfSpace, Obstacle, Pose, RigidMotion, Sphere};
@@ -34,9 +35,7 @@ pub(super) fn below(
     up: Vec3,
     settings: &Settings,
 ) -> Result<Body, BenchError> {
-    let low = mesh.positions().iter().copied().reduce(|a, b| a.inf(&b));
-    let high = mesh.positions().iter().copied().reduce(|a, b| a.sup(&b));
-    let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
+    let [low, high] = bounds(mesh.positions().iter().copied());
     let lowest = low.dot(&up).min(high.dot(&up));
     let middle = (low + high) / 2.0;
     let thickness = Surface::read(settings)?.thickness_of(mesh);

@@ -4,10 +4,9 @@
 mod crumple;
 mod queries;
 
-use crate::bounds::bounds;
-use crate::report::html::Picture;
-use crate::report::render::{Projection, Surface, View, render};
+use crate::report::render::{Projection, View};
 use crate::run::{SeparationWatch, Watched};
+use crate::studies::pictures::{Shot, coordinates, pictures};
 use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
@@ -112,7 +111,7 @@ fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
         seen: watch.seen(),
         steps: state.steps as usize,
         time: state.time,
-        positions: state.positions.into_iter().map(Into::into).collect(),
+        positions: coordinates(state.positions),
     })
 }
 
@@ -202,15 +201,22 @@ fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
         let found = found
             .into_iter()
             .filter(|(_, ran)| !ran.positions.is_empty());
-        let ends = found.map(|(method, ran)| {
+        let shots = found.filter_map(|(method, ran)| {
             rows.push(Row::new(name, method, &ran));
-            (method, End::of(ran))
+            Shot::of(format!("{name}, {method}"), &ran.positions, ran.time)
         });
-        let ends: Vec<(&str, End)> = ends.collect();
-        if !ends.is_empty() {
-            let pictures = pictures(&scene, &ends)?;
-            study.section.pictures.extend(pictures);
-        }
+        let shots = shots.collect_vec();
+        let view = View {
+            width: 330,
+            height: 330,
+            direction: Vec3::new(-0.5, 0.8, -0.5),
+            // A floor is larger than what lies on it, and may reach behind an eye that is near.
+            projection: Projection::Orthographic,
+            bounds: Some(around(&shots)),
+            ..View::default()
+        };
+        let pictures = pictures(&scene, &shots, &view)?;
+        study.section.pictures.extend(pictures);
     }
     study.table("collision", "Scenes with contact", &rows);
     let cells = SCENES.len() * methods().len();
@@ -231,55 +237,13 @@ fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let most = largest(shares.iter().copied());
     Ok(format!(
         "Of {cells} runs {passed} pass: they end, no triangles cross after any step, and the cloth never holds more than it was given by more than a hundredth of the most.{failures} Contact takes {:.0} % of a step in the median run, and at most {most:.0} %.",
-        run::median(&mut shares),
+        median(&mut shares),
     ))
 }
 
-/// Where and when a run ended.
-struct End {
-    positions: Vec<Vec3>,
-    time: Real,
-}
-
-impl End {
-    fn of(ran: Ran) -> Self {
-        Self {
-            positions: ran.positions.into_iter().map(Vec3::from).collect(),
-            time: ran.time,
-        }
-    }
-}
-
 /// A box (m) around all cloths, with some room.
-fn around(ends: &[(&str, End)]) -> [Vec3; 2] {
-    let [low, high] = bounds(ends.iter().flat_map(|(_, end)| &end.positions).copied());
+fn around(shots: &[Shot]) -> [Vec3; 2] {
+    let [low, high] = bounds(shots.iter().flat_map(|shot| &shot.positions).copied());
     let room = Vec3::repeat(0.05 * (high - low).norm());
     [low - room, high + room]
-}
-
-/// The ends of a scene, all seen by one camera.
-fn pictures(scene: &Scene, ends: &[(&str, End)]) -> Result<Vec<Picture>, BenchError> {
-    let mesh = scene.mesh.as_ref();
-    let triangles = mesh.map_or(&[][..], |mesh| mesh.triangles());
-    let view = View {
-        width: 330,
-        height: 330,
-        direction: Vec3::new(-0.5, 0.8, -0.5),
-        // A floor is larger than what lies on it, and may reach behind an eye that is near.
-        projection: Projection::Orthographic,
-        bounds: Some(around(ends)),
-        background: None,
-        ..View::default()
-    };
-    let picture = |(method, end): &(&str, End)| {
-        let obstacles = scene.obstacle_surfaces(end.time);
-        let obstacles = obstacles.iter().map(|(x, t)| Surface::obstacle(x, t));
-        let cloth = Surface::cloth(&end.positions, triangles);
-        let surfaces: Vec<Surface<'_>> = std::iter::once(cloth).chain(obstacles).collect();
-        Ok(Picture {
-            png: render(&surfaces, &view)?,
-            caption: format!("{}, {method}", scene.name),
-        })
-    };
-    ends.iter().map(picture).collect()
 }

@@ -2,13 +2,10 @@
 
 pub mod variants;
 
-use super::cases::LazyCell;
 use super::sheets::TestSheet;
 use super::{capitalised, remark};
-use crate::bounds::bounds;
-use crate::report::html::Picture;
-use crate::report::render::{Surface, View, render};
-use crate::run::median;
+use crate::report::render::View;
+use crate::studies::pictures::{Shot, coordinates, pictures};
 use crate::studies::prelude::*;
 use crate::yardstick::{Sample, StepProblem};
 use variants::{cut, iterated};
@@ -347,14 +344,14 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
     let scene = &sheet.scene;
     let (which, duration) = (sheet.which(), Real::from(HALF_A_SECOND) * scene.dt);
     let mut rows: Vec<FallenRow> = Vec::new();
-    let mut sheets: Vec<(String, Vec<Vec3>)> = Vec::new();
+    let mut shots: Vec<Shot> = Vec::new();
     for variant in Variant::defaults().into_iter().chain(pbd_and_xpbd()) {
         let case = format!("{} for half a second", variant.label);
         let outcome = study.cases.case(&case, || {
             let (method, settings) = (Method::find(variant.method())?, &variant.settings);
             let (steps, dt) = (HALF_A_SECOND, scene.dt);
             let (summary, end) = run::simulate(scene, method, settings, dt, steps)?;
-            let positions = end.positions.into_iter().map(Into::into).collect();
+            let positions = coordinates(end.positions);
             Ok(Fallen { summary, positions })
         });
         let remark = remark(&outcome);
@@ -370,10 +367,8 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
             crossing_pairs: fallen.as_ref().and_then(|f| f.summary.intersections),
             remark,
         });
-        if let Some(fallen) = fallen.filter(|fallen| !fallen.positions.is_empty()) {
-            let positions = fallen.positions.into_iter().map(Vec3::from);
-            sheets.push((variant.label, positions.collect()));
-        }
+        let caption = format!("{} after {duration:.2} s", variant.label);
+        shots.extend(fallen.and_then(|fallen| Shot::of(caption, &fallen.positions, duration)));
     }
     let columns = [
         "method",
@@ -425,23 +420,15 @@ fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), Benc
         "After {duration:.2} s ({HALF_A_SECOND} steps) of {which}: stretch alone misleads, so the fall stands beside it"
     );
     study.table("hang-half-a-second", &caption, &rows);
-    if let Some(mesh) = &scene.mesh {
-        let everything = sheets.iter().flat_map(|(_, positions)| positions).copied();
-        let view = View {
-            width: 330,
-            height: 330,
-            direction: Vec3::new(-0.5, 0.8, -0.3),
-            bounds: Some(bounds(everything)),
-            background: None,
-            ..View::default()
-        };
-        for (method, positions) in &sheets {
-            let cloth = Surface::cloth(positions, mesh.triangles());
-            study.section.pictures.push(Picture {
-                png: render(&[cloth], &view)?,
-                caption: format!("{method} after {duration:.2} s"),
-            });
-        }
-    }
+    let everything = shots.iter().flat_map(|shot| &shot.positions).copied();
+    let view = View {
+        width: 330,
+        height: 330,
+        direction: Vec3::new(-0.5, 0.8, -0.3),
+        bounds: Some(bounds(everything)),
+        ..View::default()
+    };
+    let pictures = pictures(scene, &shots, &view)?;
+    study.section.pictures.extend(pictures);
     Ok(())
 }

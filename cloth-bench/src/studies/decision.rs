@@ -5,10 +5,9 @@ pub mod measure;
 mod shortened;
 
 use super::scale;
-use crate::bounds::bounds;
 use crate::report::html::Picture;
-use crate::report::render::{Surface, View, render};
-use crate::report::table::Mark;
+use crate::report::render::View;
+use crate::studies::pictures::{Shot, pictures};
 use crate::studies::prelude::*;
 use columns::COLUMNS;
 use measure::{Contact, Cost, Step};
@@ -55,7 +54,7 @@ pub struct Row {
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
-    study.findings.section.leads = true;
+    study.section.leads = true;
     let unstable = format!("step of {}", scale::WITHOUT);
     let foretold = study.case(&unstable, || measure::hopeless(scope));
     let every: Vec<&Method> = methods().collect();
@@ -66,21 +65,16 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let mut rows = Vec::new();
     for (method, step) in every.into_iter().zip(steps) {
         let name = method.name;
-        let step = study.findings.unless_failed(&case_of(&method), step);
+        let step = study.unless_failed(&case_of(&method), step);
         let case = format!("cost of {name}");
         let cost = study.case(&case, || Cost::measure(scope, name));
         let case = format!("contact of {name}");
         let contact = study.case(&case, || Contact::measure(scope, method));
         for reason in step.iter().flat_map(|s| &s.reasons) {
-            study
-                .findings
-                .section
-                .notes
-                .push(format!("{name}: {reason}."));
+            study.note(format!("{name}: {reason}."));
         }
         for reason in contact.iter().filter_map(|c| c.drape.reason.as_ref()) {
-            let note = format!("{name} in contact: {reason}.");
-            study.findings.section.notes.push(note);
+            study.note(format!("{name} in contact: {reason}."));
         }
         rows.push(Row {
             method: name,
@@ -93,8 +87,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         "Of small sheets (--quick), where the fastest are others than of large ones:\n",
         "",
     );
-    study.findings.section.verdict = Some(small.to_owned() + &verdict(&rows));
-    study.findings.data("decision", data(&rows));
+    study.section.verdict = Some(small.to_owned() + &verdict(&rows));
+    study.data("decision", data(&rows));
     let memory = format!("memory of {}", scale::WITHOUT);
     let memory = study.case(&memory, || measure::hopeless_memory(scope));
     let foretold = foretold.as_deref().unwrap_or_default();
@@ -104,15 +98,15 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         two(Real::from(measure::steps(scope)) * DT)
     );
     let listed = ("decision".to_owned(), caption, shown);
-    study.findings.section.tables.push(listed);
-    study.findings.section.pictures = strip(scope, &rows)?;
+    study.section.tables.push(listed);
+    study.section.pictures = strip(scope, &rows)?;
     let qualities = method::all().map(Method::qualities);
-    study.findings.table(
+    study.table(
         "decision-qualities",
         "What no measurement says",
         Table::of(&qualities.collect::<Vec<_>>()),
     );
-    answer(&rows, &mut study.findings);
+    answer(&rows, study);
     cuts(study);
     shortened::compare(study)
 }
@@ -133,7 +127,6 @@ fn data(rows: &[Row]) -> Table {
 
 /// The numbers as a reader wants them, judged; a method that `foretold` why it fails has a line of its own, with the
 /// memory (B) that it takes.
-#[must_use]
 pub fn shown(scope: Scope, rows: &[Row], foretold: &str, memory: Option<Real>) -> Table {
     let names = COLUMNS.iter().map(|column| column.head(scope));
     let mut table = Table::about("method", names);
@@ -183,7 +176,6 @@ fn fit(rows: &[Row]) -> Vec<&Row> {
 
 /// Which methods have nothing against them but their cost, which of these is best at what, and what is against the
 /// others.
-#[must_use]
 pub fn verdict(rows: &[Row]) -> String {
     let (fit, all) = (fit(rows), rows.iter().collect_vec());
     let unfit = all.iter().map(|row| (row.method, against(row, &all)));
@@ -236,42 +228,24 @@ fn best(column: &str, rows: &[&Row]) -> Option<String> {
 /// The same cloth in contact, by each method.
 fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
     let scene = measure::draped(scope)?;
-    let Some(mesh) = &scene.mesh else {
-        return Ok(Vec::new());
-    };
     let seconds = Real::from(measure::steps(scope)) * scene.dt;
-    let bodies = scene.obstacle_surfaces(seconds);
-    let drapes = rows.iter().filter_map(|row| {
+    let shots = rows.iter().filter_map(|row| {
         let drape = &row.contact.as_ref()?.drape;
-        let positions: Vec<Vec3> = drape.positions.iter().copied().map(Vec3::from).collect();
-        (!positions.is_empty()).then_some((row.method, positions))
+        Shot::of(row.method.to_owned(), &drape.positions, seconds)
     });
-    let drapes: Vec<(&str, Vec<Vec3>)> = drapes.collect();
+    let bodies = scene.obstacle_surfaces(seconds);
     let of_bodies = bodies.iter().flat_map(|(positions, _)| positions);
-    let frame = bounds(of_bodies.chain(&scene.start.positions).copied());
     let view = View {
         width: 300,
         height: 260,
-        bounds: Some(frame),
-        background: None,
+        bounds: Some(bounds(of_bodies.chain(&scene.start.positions).copied())),
         ..View::default()
     };
-    let picture = |(method, positions): &(&str, Vec<Vec3>)| {
-        let bodies = bodies
-            .iter()
-            .map(|(at, triangles)| Surface::obstacle(at, triangles));
-        let mut surfaces: Vec<Surface<'_>> = bodies.collect();
-        surfaces.push(Surface::cloth(positions, mesh.triangles()));
-        Ok(Picture {
-            png: render(&surfaces, &view)?,
-            caption: (*method).to_owned(),
-        })
-    };
-    drapes.iter().map(picture).collect()
+    pictures(&scene, &shots.collect_vec(), &view)
 }
 
 /// What contact costs.
-fn answer(rows: &[Row], findings: &mut Findings) {
+fn answer(rows: &[Row], study: &mut StudyRun<'_>) {
     let costs = rows
         .iter()
         .filter_map(|row| Some((row.method, row.contact_cost()?)));
@@ -287,7 +261,7 @@ fn answer(rows: &[Row], findings: &mut Findings) {
             two(most.1),
             most.0
         );
-        findings.answer("What does contact cost?", told, None, "table-decision");
+        study.answer("What does contact cost?", told, None, "table-decision");
     }
 }
 
@@ -358,10 +332,9 @@ fn cuts(study: &mut StudyRun<'_>) {
         most_substeps &= stretches.is_sorted_by(|a, b| a > b);
     }
     for (cut, drape) in found {
-        let note = drape
-            .reason
-            .map(|reason| format!("{}: {reason}.", name(&cut)));
-        study.findings.section.notes.extend(note);
+        if let Some(reason) = drape.reason {
+            study.note(format!("{}: {reason}.", name(&cut)));
+        }
         let row = CutRow {
             ms: drape.ms,
             largest_stretch: drape.stretch,
@@ -371,9 +344,7 @@ fn cuts(study: &mut StudyRun<'_>) {
         rows.push((cut, row));
     }
     let caption = "Twenty sweeps under contact, as substeps × iterations";
-    study
-        .findings
-        .table("decision-substeps", caption, Table::of(&rows));
+    study.table("decision-substeps", caption, Table::of(&rows));
     let better = match most_substeps {
         true => "Substeps: the more of them, the less stretch.",
         false => "More substeps do not always leave less stretch.",
@@ -382,7 +353,5 @@ fn cuts(study: &mut StudyRun<'_>) {
         "{better} Largest stretch of twenty sweeps a step on the sphere, as substeps × iterations, and time of a step:"
     );
     let question = "Iterations or substeps under contact?";
-    study
-        .findings
-        .answer(question, answer, Some(told), "table-decision-substeps");
+    study.answer(question, answer, Some(told), "table-decision-substeps");
 }

@@ -1,8 +1,15 @@
-//! Interleaved timing: several variants of the same work, one run of each per round.
+//! Timing: of one piece of work, and interleaved of several variants of it, one run of each per round.
 
-use crate::run::median;
 use crate::studies::prelude::*;
+use std::hint::black_box;
 use std::time::Instant;
+
+/// How long (s) `work` takes.
+pub(super) fn timed<T, E>(work: impl FnOnce() -> Result<T, E>) -> Result<Real, E> {
+    let started = Instant::now();
+    black_box(work()?);
+    Ok(started.elapsed().as_secs_f64())
+}
 
 /// Rounds that are enough once they have lasted long enough.
 pub const ENOUGH: usize = 15;

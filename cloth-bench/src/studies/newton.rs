@@ -8,7 +8,6 @@ mod solvers;
 pub mod steps;
 
 use super::sheets::{STIFFNESS, hanging};
-use crate::run::median;
 use crate::studies::prelude::*;
 use cloth_core::element::Convexity;
 use cloth_core::measure::{IncrementalPotential, predict};

@@ -2,8 +2,6 @@
 
 use super::{capitalised, failed, is_expected};
 use crate::studies::prelude::*;
-use cloth_core::measure::Strain;
-use cloth_core::random::SplitMix64;
 
 pub(super) const STUDY: Study = Study {
     name: "recovery",
@@ -78,9 +76,6 @@ fn recover(scene: &Scene, variant: &Variant, steps: u32) -> Result<Real, BenchEr
 }
 
 /// Ten jittered runs.
-///
-/// # Errors
-/// [`BenchError::Failed`] if not even the flat sheet comes to rest.
 pub fn cell(n: usize, steps: u32, start: &str, variant: &Variant) -> Result<Outcome, BenchError> {
     let newton = Variant::published(Method::find("implicit-euler")?);
     let rest =

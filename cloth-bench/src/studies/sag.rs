@@ -2,7 +2,6 @@
 
 use crate::laws::{Evaluation, Law};
 use crate::studies::prelude::*;
-use cloth_core::measure::Strain;
 
 pub(super) const STUDY: Study = Study {
     name: "sag",

@@ -83,11 +83,7 @@ impl TestSheet {
         })
     }
 
-    /// The scene of a file.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] with the line of what is wrong in it, or if it has contact, air or moving pins: the
-    /// references have none of these.
+    /// The scene of a file; none with contact, air or moving pins, with which the references cannot be compared.
     pub(super) fn own(path: &Path) -> Result<Self, BenchError> {
         let scene = file::build(path, &Settings::default())?;
         if !scene.is_plain() {

@@ -2,7 +2,7 @@
 
 pub mod memory;
 
-use super::interleaved::interleaved;
+use super::interleaved::{interleaved, timed};
 use crate::studies::prelude::*;
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::ContactSource;
@@ -186,9 +186,7 @@ impl Variant<'_> {
         if let Some(observer) = &mut self.observer {
             input = input.observer(observer);
         }
-        let started = Instant::now();
-        self.stepper.step(state, input)?;
-        Ok(started.elapsed().as_secs_f64())
+        Ok(timed(|| self.stepper.step(state, input))?)
     }
 }
 

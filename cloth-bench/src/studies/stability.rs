@@ -1,9 +1,7 @@
 //! Where the methods stop working: maps of step size, stiffness, ratios and mesh quality.
 
-use crate::report::table::Mark;
 use crate::studies::prelude::*;
 use cloth_core::measure::{gravitational_energy, kinetic_energy};
-use cloth_core::random::SplitMix64;
 use cloth_core::step::StepError;
 use map::{MAPS, Map};
 

@@ -1,8 +1,7 @@
 //! When a second thread helps.
 
-use super::interleaved::interleaved;
+use super::interleaved::{interleaved, timed};
 use crate::studies::prelude::*;
-use std::time::Instant;
 
 pub(super) const STUDY: Study = Study {
     name: "threads",
@@ -98,9 +97,7 @@ fn times(scope: Scope, name: &str, n: u32) -> Result<Times, BenchError> {
         let (solver, state) = (&mut solvers[variant], &mut states[variant]);
         pools[variant].install(|| {
             let input = StepInput::new(scene.dt).gravity(scene.gravity);
-            let started = Instant::now();
-            solver.step(state, input)?;
-            Ok(started.elapsed().as_secs_f64())
+            Ok(timed(|| solver.step(state, input))?)
         })
     })?;
     let [one, two] = times.seconds.map(|seconds| 1e3 * seconds);

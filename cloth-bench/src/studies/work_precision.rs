@@ -1,11 +1,7 @@
 //! What an error in the motion costs: run time against the distance from the trajectory in continuous time.
 
-use super::NOISE;
-use super::cases::LazyCell;
 use super::sheets::TestSheet;
-use crate::bounds::bounds;
 use crate::report::player::{Film, Playback, Track};
-use crate::run::median;
 use crate::studies::prelude::*;
 use std::time::Instant;
 

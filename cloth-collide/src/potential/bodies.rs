@@ -224,6 +224,12 @@ impl Bodies {
         count
     }
 
+    /// The constraints that push.
+    fn touching(&self) -> impl Iterator<Item = &BodyConstraint> + '_ {
+        let all = self.list.iter();
+        all.filter(|contact| contact.state.lambda > 0.0)
+    }
+
     /// The vertices that have come too near.
     pub(super) fn violated(&self) -> impl Iterator<Item = u32> + '_ {
         let violated = self.list.iter().filter(|contact| contact.is_violated);
@@ -244,11 +250,8 @@ impl Bodies {
 
     /// What is inside comes out in this substep, not in as many as its law would take.
     pub(super) fn move_out(&mut self) {
-        for contact in self
-            .list
-            .iter_mut()
-            .filter(|contact| contact.distance <= 0.0)
-        {
+        let inside = self.list.iter_mut();
+        for contact in inside.filter(|contact| contact.distance <= 0.0) {
             (contact.state.compliance, contact.state.range) = (0.0, LEAST * contact.thickness);
         }
     }
@@ -286,11 +289,10 @@ impl Bodies {
         out: &mut Vec<Rebound>,
     ) {
         let step = &substep.step;
-        let touching = self
-            .list
-            .iter()
-            .filter(|contact| contact.state.lambda > 0.0);
-        for contact in touching.filter(|contact| contact.approach.abs() > least) {
+        for contact in self
+            .touching()
+            .filter(|contact| contact.approach.abs() > least)
+        {
             let v = contact.vertex as usize;
             out.push(Rebound {
                 vertices: [contact.vertex; 4],
@@ -308,11 +310,8 @@ impl Bodies {
 
     /// Hands `visit` the vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
     pub(super) fn each_impulse(&self, number: usize, dt: Real, mut visit: impl FnMut(usize, Vec3)) {
-        for contact in self
-            .list
-            .iter()
-            .filter(|contact| contact.body as usize == number)
-        {
+        let of_body = |contact: &&BodyConstraint| contact.body as usize == number;
+        for contact in self.list.iter().filter(of_body) {
             let impulse = (contact.pressure + contact.state.friction) / dt;
             visit(contact.vertex as usize, impulse);
         }
@@ -336,11 +335,7 @@ impl Bodies {
             let at = bodies[contact.body as usize].0.signed_distance(x[v], 0.0);
             near.vertex_area[v] * near.law_at(v).energy(at.value)
         };
-        let pushing = self
-            .list
-            .iter()
-            .filter(|contact| contact.state.lambda > 0.0);
-        pushing.map(energy).sum()
+        self.touching().map(energy).sum()
     }
 }
 

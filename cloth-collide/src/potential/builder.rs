@@ -33,6 +33,7 @@ use cloth_core::step::BuildError;
 /// default at 0.2 kg/m² and 1/60 s. Ten times h is a gap ten times as wide, and more pressure than κ says once h is a
 /// tenth of an edge ([limits](super#limits)). With a tenth of h, a path is tested for 1 mm at a time instead of 10 mm.
 #[derive(Clone, Debug)]
+#[must_use]
 pub struct PotentialBuilder<'a> {
     mesh: &'a TriMesh,
     thickness: Real,
@@ -73,7 +74,6 @@ impl<'a> PotentialBuilder<'a> {
     /// 1.3 times (the limits of the [chapter](super)). A small h costs iterations: methods that minimise move by at
     /// most 10 h between two searches for pairs. Cloth rests on cloth a little less than h apart, not 2 h. For
     /// another one later, build anew.
-    #[must_use]
     pub fn thickness(mut self, thickness: Real) -> Self {
         self.thickness = thickness;
         self
@@ -82,7 +82,6 @@ impl<'a> PotentialBuilder<'a> {
     /// The same for each vertex of the cloth apart (m), where pieces are not equally thick: it keeps this distance from
     /// bodies, and two pieces keep half the sum of theirs, those of one vertex of each. The length below which friction
     /// is a spring is a hundredth of the largest. Replaces [`thickness`](Self::thickness).
-    #[must_use]
     pub fn thickness_of_vertices(mut self, thickness: Vec<Real>) -> Self {
         self.own.thicknesses = thickness;
         self
@@ -91,7 +90,6 @@ impl<'a> PotentialBuilder<'a> {
     /// Coefficients of friction μ (dimensionless) of each vertex of the cloth apart, where pieces are not equally
     /// rough. Two that touch have the geometric mean of their coefficients, those of one vertex of each; a vertex and a
     /// body too. Replaces [`friction`](Self::friction).
-    #[must_use]
     pub fn friction_of_vertices(mut self, friction: Vec<Real>) -> Self {
         self.own.frictions = friction;
         self
@@ -99,7 +97,6 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Parts of the cloth that pass through each other freely: pairs of regions, and the region of each vertex. A pair
     /// of a region with itself is one that does not touch itself. Bodies keep out all.
-    #[must_use]
     pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
         self.own.excluded = Excluded::new(region, pairs);
         self
@@ -109,7 +106,6 @@ impl<'a> PotentialBuilder<'a> {
     /// Two parts of the cloth that have vertices of one pair, directly or through others, are neighbours, as if they
     /// shared a vertex: they are not kept apart. So are a part with a vertex and one with an end of the edge that it is
     /// sewn onto.
-    #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]], onto_edges: &[[u32; 3]]) -> Self {
         self.sewn = (pairs.to_vec(), onto_edges.to_vec());
         self
@@ -117,14 +113,12 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Edges push from the thickness on, as vertices do, and vertices with all of their area: where everything is to be
     /// that far apart, at any cost.
-    #[must_use]
     pub fn full_thickness(mut self) -> Self {
         self.own.full_thickness = true;
         self
     }
 
     /// What finds the triangles that are near each other. All kinds find the same, at different cost.
-    #[must_use]
     pub fn broad_phase(mut self, kind: BroadPhaseKind) -> Self {
         self.own.broad_phase = kind;
         self
@@ -133,14 +127,12 @@ impl<'a> PotentialBuilder<'a> {
     /// Stiffness κ (Pa/m): pressure per m that is missing to the thickness. The weight ρ g of what lies on the cloth
     /// should leave it in the quadratic part of the law, ρ g/κ < h/2; beyond what that asks for, more stiffness costs
     /// iterations. At 0.2 kg/m² the default of 10⁶ is pressed together by 2 µm.
-    #[must_use]
     pub fn stiffness(mut self, stiffness: Real) -> Self {
         self.stiffness = stiffness;
         self
     }
 
     /// Coefficient of friction μ (dimensionless) of cloth on cloth.
-    #[must_use]
     pub fn friction(mut self, friction: Real) -> Self {
         self.own.friction = friction;
         self
@@ -150,14 +142,12 @@ impl<'a> PotentialBuilder<'a> {
     /// leaves it with e u. Of methods that project positions alone; no body can be free beside it. Unless set,
     /// contact gives back what it has stored, less what the method damps. Where g Δt² of a substep is more than (1 + e)
     /// h/1000, what lies still rebounds in each, and its gap is that of 1/(1 + e) of the weight.
-    #[must_use]
     pub fn restitution(mut self, restitution: Real) -> Self {
         self.restitution = Some(restitution);
         self
     }
 
     /// Adds a rigid body that is in the way, with a coefficient of `friction` μ (dimensionless).
-    #[must_use]
     pub fn obstacle(mut self, obstacle: Obstacle, friction: Real) -> Self {
         self.obstacles.push((obstacle, friction));
         self
@@ -166,7 +156,6 @@ impl<'a> PotentialBuilder<'a> {
     /// What obstacle `number` (in the order in which they are added, from 0) looks like in its own frame (m): no
     /// triangle of the cloth cuts those of `mesh`, which may be open and pass through itself. It should lie on the
     /// surface of the shape or inside, since the signed distance keeps vertices on its own.
-    #[must_use]
     pub fn surface(mut self, number: usize, mesh: TriMesh) -> Self {
         self.surfaces.push((mesh, SurfaceMotion::Obstacle(number)));
         self
@@ -175,7 +164,6 @@ impl<'a> PotentialBuilder<'a> {
     /// Obstacle `number` (in the order of [`obstacle`](Self::obstacle), from 0) is pushed by the cloth and pulled by
     /// gravity; it starts with the velocities of its motion. Other bodies stop it only at the vertices of its
     /// [`surface`](Self::surface), or of theirs if they are free: without either it passes through them.
-    #[must_use]
     pub fn free(mut self, number: usize, body: RigidBody) -> Self {
         self.free.push((number, body));
         self
@@ -183,7 +171,6 @@ impl<'a> PotentialBuilder<'a> {
 
     /// A body that has triangles alone, those of `mesh` where `animation` moves its vertices; with a coefficient of
     /// `friction` μ (dimensionless). Its time begins with the first step.
-    #[must_use]
     pub fn animated(mut self, mesh: TriMesh, animation: AnimatedMesh, friction: Real) -> Self {
         let motion = SurfaceMotion::Own(animation, friction);
         self.surfaces.push((mesh, motion));
@@ -191,7 +178,6 @@ impl<'a> PotentialBuilder<'a> {
     }
 
     /// The first step begins at this time (s): bodies are where their motion has taken them by then.
-    #[must_use]
     pub fn begins_at(mut self, time: Real) -> Self {
         self.time = time;
         self
@@ -200,14 +186,12 @@ impl<'a> PotentialBuilder<'a> {
     /// Whether cloth to which bodies leave no feasible path passes through one of them until it is out again; see
     /// [pinched cloth](super#pinched-cloth). Unless told so, such a step is
     /// [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
-    #[must_use]
     pub fn pinched_cloth_passes(mut self, passes: bool) -> Self {
         self.own.pinched_passes = passes;
         self
     }
 
     /// Whether the cloth touches itself (it does unless told otherwise). If not, nothing is built for it.
-    #[must_use]
     pub fn self_collision(mut self, self_collision: bool) -> Self {
         self.own.self_collision = self_collision;
         self

@@ -281,7 +281,6 @@ impl Surfaces {
 
 impl PotentialContacts {
     /// Contact of the cloth `mesh` with itself: from 1 mm on, with 1e6 Pa/m and without friction.
-    #[must_use]
     pub fn builder(mesh: &TriMesh) -> PotentialBuilder<'_> {
         PotentialBuilder::new(mesh)
     }

@@ -23,9 +23,6 @@ pub struct Camera {
 
 impl Camera {
     /// The camera that has all of the surfaces in its picture.
-    ///
-    /// # Errors
-    /// [`RenderError::View`] for a view that shows nothing.
     pub fn framing(surfaces: &[Surface<'_>], view: &View) -> Result<Self, RenderError> {
         let unit = |v: Vec3| v.try_normalize(1e-12);
         let degenerate = RenderError::View("direction and up must be independent vectors");

@@ -1,8 +1,8 @@
 //! The bodies of a scene as triangles, wherever they are at a time.
 
-use super::ContactSetup;
+use super::{ContactSetup, RigidSetup};
 use crate::error::BenchError;
-use cloth_collide::obstacle::{Obstacle, Pose};
+use cloth_collide::obstacle::Pose;
 use cloth_collide::{BodyProbe, distance_from_surface};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -24,7 +24,6 @@ pub struct BodySurface<'a> {
 
 impl BodySurface<'_> {
     /// `obstacle0`, `obstacle1`, …
-    #[must_use]
     pub fn name(&self) -> String {
         format!("obstacle{}", self.number)
     }
@@ -42,15 +41,13 @@ impl ContactSetup {
         since: Real,
     ) -> Result<Path, BenchError> {
         if let Some(rigid) = self.rigid_body(body) {
-            let motion = *self.obstacles[rigid].motion();
+            let motion = *self.rigid[rigid].obstacle.motion();
             let local = motion.pose_at(since).to_local(start);
             return Ok(Box::new(move |time| motion.pose_at(time).to_world(local)));
         }
-        let mut animated = self.numbers[self.obstacles.len()..]
-            .iter()
-            .zip(&self.animated);
-        let found = animated.find(|(number, _)| **number == body);
-        let Some((_, (surface, animation, _))) = found else {
+        let numbers = self.numbers[self.rigid.len()..].iter();
+        let mut animated = numbers.zip(&self.animated);
+        let Some((_, (surface, animation, _))) = animated.find(|(n, _)| **n == body) else {
             return Err(BenchError::Failed(format!("there is no obstacle {body}")));
         };
         let fixed = animation.attach(surface.triangles(), start, since);
@@ -60,8 +57,8 @@ impl ContactSetup {
 
     /// The greatest speed (m/s) of any body that moves as it is told, at its vertices, until it is driven otherwise.
     pub(in crate::scene) fn max_speed(&self) -> Real {
-        let obstacles = self.obstacles().map(Obstacle::motion).enumerate();
-        let rigid = obstacles.map(|(body, motion)| {
+        let rigid = self.obstacles().enumerate().map(|(body, obstacle)| {
+            let motion = obstacle.motion();
             self.speed_with(body, [motion.velocity, motion.angular_velocity])
         });
         let animated = self.animated.iter();
@@ -76,22 +73,19 @@ impl ContactSetup {
         body: usize,
         [velocity, angular_velocity]: [Vec3; 2],
     ) -> Real {
-        let vertices = self.shapes[body].0.positions().iter();
+        let vertices = self.rigid[body].surface.positions().iter();
         let radius = vertices.map(Vec3::norm).fold(0.0, Real::max);
         velocity.norm() + angular_velocity.norm() * radius
     }
 
     /// Surfaces of all bodies at a time (s), in the order of the scene.
-    #[must_use]
     pub fn body_surfaces(&self, time: Real) -> Vec<BodySurface<'_>> {
-        let rigid = self.obstacles().enumerate().map(|(index, obstacle)| {
-            let motion = obstacle.motion();
+        let rigid = self.rigid.iter().enumerate().map(|(index, body)| {
+            let motion = body.obstacle.motion();
             let is_at_rest =
                 motion.velocity == Vec3::zeros() && motion.angular_velocity == Vec3::zeros();
-            (
-                Some(motion.pose_at(time)),
-                is_at_rest && !self.is_free(index) && !self.driven.contains(&index),
-            )
+            let is_moved = body.free.is_some() || self.driven.contains(&index);
+            (Some(motion.pose_at(time)), is_at_rest && !is_moved)
         });
         let animated = self.animated.iter();
         let animated = animated.map(|(_, animation, _)| (None, animation.shape_count() == 1));
@@ -117,11 +111,11 @@ impl ContactSetup {
         &self,
         time: Real,
     ) -> impl Iterator<Item = (Vec<Vec3>, &[[u32; 3]])> + '_ {
-        let both = self.obstacles().zip(&self.shapes);
-        let rigid = both.map(move |(obstacle, (shape, _))| {
-            let pose = obstacle.motion().pose_at(time);
-            let positions = shape.positions().iter().map(|&x| pose.to_world(x));
-            (positions.collect(), shape.triangles())
+        let rigid = self.rigid.iter().map(move |body| {
+            let pose = body.obstacle.motion().pose_at(time);
+            let positions = body.surface.positions().iter();
+            let positions = positions.map(|&x| pose.to_world(x)).collect();
+            (positions, body.surface.triangles())
         });
         let animated = self.animated.iter().map(move |(shape, animation, _)| {
             let mut positions = shape.positions().to_vec();
@@ -134,9 +128,22 @@ impl ContactSetup {
         rigid.chain(animated)
     }
 
+    /// Surfaces at rest and numbers in the scene of the bodies that have edges, and so an end.
+    fn edged(&self) -> impl Iterator<Item = (&TriMesh, usize)> + '_ {
+        let edged = self.rigid.iter().filter(|body| body.has_triangles());
+        let rigid = edged.map(|body| (&body.surface, body.number));
+        let numbers = self.numbers[self.rigid.len()..].iter().copied();
+        rigid.chain(
+            self.animated
+                .iter()
+                .map(|(surface, ..)| surface)
+                .zip(numbers),
+        )
+    }
+
     /// Vertices (m) of the bodies that have an end, at a time (s).
     pub(crate) fn bounded_surfaces(&self, time: Real) -> impl Iterator<Item = Vec<Vec3>> + '_ {
-        let rigid = self.shapes.iter().map(|(_, has_triangles)| *has_triangles);
+        let rigid = self.rigid.iter().map(RigidSetup::has_triangles);
         let bounded = rigid.chain(std::iter::repeat(true));
         let all = self.surfaces(time).zip(bounded);
         all.filter_map(|((positions, _), is_bounded)| is_bounded.then_some(positions))
@@ -144,13 +151,10 @@ impl ContactSetup {
 
     /// The body of a triangle, and which of its own it is, in words; counted from 0 through the triangles of those
     /// bodies that have edges, in the order of [`ContactSetup::body_numbers`].
-    #[must_use]
     pub(crate) fn body_triangle(&self, triangle: usize) -> Option<String> {
-        let rigid = self.shapes.iter().map(|(shape, needed)| (shape, *needed));
-        let animated = self.animated.iter().map(|(shape, ..)| (shape, true));
         let mut first = 0;
-        for ((shape, _), number) in rigid.chain(animated).zip(&self.numbers).filter(|b| b.0.1) {
-            let next = first + shape.triangle_count();
+        for (surface, number) in self.edged() {
+            let next = first + surface.triangle_count();
             if triangle < next {
                 return Some(format!("{} of obstacle {number}", triangle - first));
             }
@@ -161,15 +165,13 @@ impl ContactSetup {
 
     /// Smallest distance (m) of the points `x` (m) from a body at `time` (s): negative inside a rigid one, and without
     /// a sign from the triangles of one without an inside. None where there are no bodies.
-    #[must_use]
     pub fn min_clearance(&self, x: &[Vec3], time: Real) -> Option<Real> {
-        let has_inside = |obstacle: &Obstacle| obstacle.shape().error_bound() < Real::INFINITY;
-        let rigid = self.obstacles().filter(|o| has_inside(o));
-        let rigid = rigid.flat_map(|obstacle| {
-            let clearance = move |&x: &Vec3| obstacle.signed_distance(x, time).value;
+        let rigid = self.rigid.iter().filter(|body| body.has_inside());
+        let rigid = rigid.flat_map(|body| {
+            let clearance = move |&x: &Vec3| body.obstacle.signed_distance(x, time).value;
             x.iter().map(clearance)
         });
-        let own = self.obstacles().map(has_inside);
+        let own = self.rigid.iter().map(RigidSetup::has_inside);
         let hollow = self.surfaces(time).zip(own.chain(std::iter::repeat(false)));
         let hollow = hollow.filter(|(_, has_inside)| !has_inside);
         let hollow = hollow
@@ -179,12 +181,8 @@ impl ContactSetup {
     }
 
     /// What counts the triangles of the cloth `mesh` that go through bodies; nothing where no body has an edge.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for more triangles than fit.
     pub fn probe(&self, mesh: &TriMesh) -> Result<Option<BodyProbe>, BenchError> {
-        let rigid = self.shapes.iter().filter(|shape| shape.1).map(|s| &s.0);
-        let bodies: Vec<&TriMesh> = rigid.chain(self.animated.iter().map(|a| &a.0)).collect();
+        let bodies: Vec<&TriMesh> = self.edged().map(|(surface, _)| surface).collect();
         if bodies.is_empty() {
             return Ok(None);
         }
@@ -193,22 +191,13 @@ impl ContactSetup {
     }
 
     /// Counts them where the cloth is at `x` (m) at `time` (s).
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for positions that are not finite.
     pub fn count(
         &self,
         probe: &mut BodyProbe,
         x: &[Vec3],
         time: Real,
     ) -> Result<usize, BenchError> {
-        let needed = self.shapes.iter().map(|s| s.1);
-        let needed = needed.chain(std::iter::repeat(true));
-        let places = self
-            .surfaces(time)
-            .zip(needed)
-            .filter(|(_, needed)| *needed);
-        let places: Vec<Vec<Vec3>> = places.map(|((x, _), _)| x).collect();
+        let places: Vec<Vec<Vec3>> = self.bounded_surfaces(time).collect();
         let bodies = places.iter().map(Vec::as_slice);
         probe.count(x, bodies).map_err(BenchError::failed)
     }

@@ -1,10 +1,10 @@
 //! How many sweeps a variant of the sweep needs, and how long they take.
 
+use crate::studies::interleaved::timed;
 use crate::studies::prelude::*;
 use crate::yardstick::StepProblem;
 use cloth_core::step::Observer;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// The error that is asked for.
 const WANTED: Real = 0.01;
@@ -164,9 +164,7 @@ pub(super) fn times<'a>(
             for (solver, best) in solvers.iter_mut().zip(best) {
                 let mut state = state.clone();
                 let input = StepInput::new(scene.dt).gravity(scene.gravity);
-                let started = Instant::now();
-                solver.step(&mut state, input)?;
-                *best = best.min(started.elapsed().as_secs_f64());
+                *best = best.min(timed(|| solver.step(&mut state, input))?);
             }
         }
     }

@@ -1,12 +1,12 @@
 //! A crumpled sheet: what the search for candidates costs, and contact itself, as the sheet gets finer.
 
 use crate::crumpled::{BROAD_PHASES, NewBroadPhase, accordion, boxes};
+use crate::studies::interleaved::timed;
 use crate::studies::prelude::*;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::{Bounds, BroadPhase, ClothCandidates, Hierarchy};
 use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::mesh::TriMesh;
-use std::time::Instant;
 
 const DT: Real = 1.0 / 600.0;
 /// Every time is the shortest of so many.
@@ -35,11 +35,9 @@ fn shortest(mut work: impl FnMut() -> Result<Real, BenchError>) -> Result<Real, 
     Ok(least)
 }
 
-/// How long (s) `work` takes.
-fn timed<T>(work: impl FnOnce() -> T) -> Real {
-    let started = Instant::now();
-    std::hint::black_box(work());
-    started.elapsed().as_secs_f64()
+/// How long (s) `work` takes, which cannot fail.
+fn seconds<T>(work: impl FnOnce() -> T) -> Result<Real, BenchError> {
+    timed(|| Ok(work()))
 }
 
 /// Times (ms) of making the tree, letting it follow its boxes, and searching it.
@@ -48,12 +46,12 @@ const TREE: [&str; 4] = ["triangles", "build (ms)", "refit (ms)", "search (ms)"]
 
 fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<Tree, BenchError> {
     let mut tree = Hierarchy::over(boxes);
-    let build = shortest(|| Ok(timed(|| Hierarchy::over(boxes))))?;
-    let refit = shortest(|| Ok(timed(|| tree.refit(boxes.iter().copied()))))?;
+    let build = shortest(|| seconds(|| Hierarchy::over(boxes)))?;
+    let refit = shortest(|| seconds(|| tree.refit(boxes.iter().copied())))?;
     let mut pairs = Vec::new();
     let query = shortest(|| {
         pairs.clear();
-        Ok(timed(|| tree.visit_overlapping(|a, b| pairs.push([a, b]))))
+        seconds(|| tree.visit_overlapping(|a, b| pairs.push([a, b])))
     })?;
     Ok((triangles, build, refit, query))
 }
@@ -82,29 +80,17 @@ fn search(
     let mut pairs = Vec::new();
     let first = shortest(|| {
         let mut fresh = new();
-        Ok(timed(|| fresh.overlapping(boxes, &mut pairs)))
+        seconds(|| fresh.overlapping(boxes, &mut pairs))
     })?;
     let mut warm = new();
-    let again = shortest(|| Ok(timed(|| warm.overlapping(boxes, &mut pairs))))?;
+    let again = shortest(|| seconds(|| warm.overlapping(boxes, &mut pairs)))?;
     let mut candidates = ClothCandidates::new(mesh, new());
-    let all = shortest(|| {
-        let started = Instant::now();
-        candidates.update(positions, positions, margin)?;
-        Ok(started.elapsed().as_secs_f64())
-    })?;
+    let all = shortest(|| Ok(timed(|| candidates.update(positions, positions, margin))?))?;
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
     let triangles = mesh.triangle_count();
     let each = 1e6 * all / triangles as Real;
-    Ok((
-        triangles,
-        name.to_owned(),
-        first,
-        again,
-        pairs.len(),
-        all,
-        found,
-        each,
-    ))
+    let (name, pairs) = (name.to_owned(), pairs.len());
+    Ok((triangles, name, first, again, pairs, all, found, each))
 }
 
 /// Sweeps over the contacts of a step.
@@ -147,10 +133,8 @@ fn resolve(
             inverse_mass: &inverse_mass,
             dt: DT,
         };
-        let started = Instant::now();
         let (x, v) = (&mut positions, &mut velocities);
-        projection.step(contacts, &step, SWEEPS, x, v)?;
-        Ok(started.elapsed().as_secs_f64())
+        Ok(timed(|| projection.step(contacts, &step, SWEEPS, x, v))?)
     })
 }
 
@@ -160,10 +144,8 @@ fn step(method: &str, side: usize) -> Result<Real, BenchError> {
     let mut stepper = Method::find(method)?.build(&scene, &Settings::default(), scene.dt)?;
     let mut state = scene.start.clone();
     shortest(|| {
-        let started = Instant::now();
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
-        stepper.step(&mut state, input)?;
-        Ok(started.elapsed().as_secs_f64())
+        Ok(timed(|| stepper.step(&mut state, input))?)
     })
 }
 

@@ -1,6 +1,6 @@
 //! A strip that hangs over a cylinder: how friction holds it, and how it presses.
 
-use super::laws::{G, KAPPA, MU, Measured, THICKNESS};
+use super::laws::{G, KAPPA, Measured, THICKNESS};
 use crate::run::{Plan, Solver};
 use crate::studies::prelude::*;
 use cloth_collide::potential::ContactForces;
@@ -13,8 +13,6 @@ pub(super) const TURNS: usize = 16;
 const DENSITY: Real = 0.2;
 /// Force (N) at one end of the strip on every vertex, where the other one pulls harder and harder.
 const PULL: Real = 0.05;
-/// Height of the top above the free ends over the radius.
-const HEIGHT: Real = 3.0;
 /// A strip that goes so far (m) in so many steps slips: ten times what the friction of potentials, which is
 /// smooth, gives way.
 const SLIPPED: Real = 1e-3;
@@ -95,42 +93,12 @@ impl Strip {
     }
 }
 
-/// The ratio of the forces at which the polygon of a strip slips that turns so many times: each of its corners turns by
-/// δ, the first and the last by half of that, and a corner that turns by 2 a bears (1 + μ tan a)/(1 − μ tan a).
-fn polygon(turns: usize, friction: Real) -> Real {
+/// The ratio of the forces at which the polygon of a strip slips that goes around by an angle (°): each of its corners
+/// turns by δ, the first and the last by half of that, and a corner that turns by 2 a bears (1 + μ tan a)/(1 − μ tan a).
+pub(super) fn polygon(degrees: Real, friction: Real) -> Real {
     let corner = |half: Real| (1.0 + friction * half.tan()) / (1.0 - friction * half.tan());
     let half = 0.5 * PI / TURNS as Real;
-    corner(half).powi(turns as i32 - 1) * corner(0.5 * half).powi(2)
-}
-
-/// That of the polygon half-way around, by the coefficient of friction.
-pub(super) fn polygon_half_around(friction: Real) -> Real {
-    polygon(TURNS, friction)
-}
-
-/// The same by the angle (°) with the coefficient of friction of the other laws.
-pub(super) fn polygon_around(degrees: Real) -> Real {
-    polygon(turns_of(degrees), MU)
-}
-
-/// e^{μθ} half-way around, θ = π.
-pub(super) fn capstan(friction: Real) -> Real {
-    (friction * PI).exp()
-}
-
-/// e^{μθ} with the coefficient of friction of the other laws.
-pub(super) fn wrap(degrees: Real) -> Real {
-    (MU * degrees.to_radians()).exp()
-}
-
-/// The ratio of the forces at both ends at which a strip slips that goes half-way around.
-pub fn slipping(name: &str, friction: Real) -> Result<Measured, BenchError> {
-    slip(name, 180.0, friction)
-}
-
-/// The same of a strip that goes around by so many degrees, of which a cell takes 11.25.
-pub fn wrapping(name: &str, degrees: Real) -> Result<Measured, BenchError> {
-    slip(name, degrees, MU)
+    corner(half).powi(turns_of(degrees) as i32 - 1) * corner(0.5 * half).powi(2)
 }
 
 fn turns_of(degrees: Real) -> usize {
@@ -138,9 +106,9 @@ fn turns_of(degrees: Real) -> usize {
 }
 
 /// The ratio of the forces at both ends at which a strip without weight slips that goes around the cylinder by so many
-/// degrees, the force at one end growing slowly, infinite if it holds at one and a half times that of its polygon,
-/// which is expected.
-pub(crate) fn slip(name: &str, degrees: Real, friction: Real) -> Result<Measured, BenchError> {
+/// degrees, of which a cell takes 11.25, the force at one end growing slowly; infinite if it holds at one and a half
+/// times that of its polygon, which is expected.
+pub fn slip(name: &str, degrees: Real, friction: Real) -> Result<Measured, BenchError> {
     let turns = turns_of(degrees);
     let strip = Strip::new(turns, 6, friction, 0.0)?;
     let scene = &strip.scene;
@@ -152,7 +120,7 @@ pub(crate) fn slip(name: &str, degrees: Real, friction: Real) -> Result<Measured
     let mut contacts = scene.contacts()?;
     let mut state = scene.start.clone();
     let mut load = vec![Vec3::zeros(); state.positions.len()];
-    let expected = polygon(turns, friction);
+    let expected = polygon(degrees, friction);
     let mut from = [Vec3::zeros(); WITHIN];
     let (mut ratio, mut step) = (1.0, 0);
     while ratio < 1.5 * expected {
@@ -203,32 +171,10 @@ fn mean_force(
     Ok(sum / Real::from(steps - steps / 2))
 }
 
-/// 1 + H/R.
-pub(super) fn top_pressure(height_over_radius: Real) -> Real {
-    1.0 + height_over_radius
-}
-
-/// H/R − 1 + 2 cos φ at an angle from the top, H = 3 R.
-pub(super) fn side_pressure(degrees: Real) -> Real {
-    HEIGHT - 1.0 + 2.0 * degrees.to_radians().cos()
-}
-
-/// The pressure on top of the cylinder over that of the weight alone, of a strip that hangs down without friction so
-/// that its ends are so many radii below its top. Expected is that of the height that its cells come to.
-pub fn pressing(name: &str, height_over_radius: Real) -> Result<Measured, BenchError> {
-    press(name, height_over_radius, 0.0)
-}
-
-/// The same at an angle from the top, of a strip that hangs down by three radii.
-pub fn pressing_at(name: &str, degrees: Real) -> Result<Measured, BenchError> {
-    press(name, HEIGHT, degrees)
-}
-
-pub(crate) fn press(
-    name: &str,
-    height_over_radius: Real,
-    degrees: Real,
-) -> Result<Measured, BenchError> {
+/// The pressure on the cylinder at an angle (°) from its top, over that of the weight alone, of a strip that hangs down
+/// without friction so that its ends are so many radii below its top. Expected is that of the height that its cells come
+/// to.
+pub fn press(name: &str, height_over_radius: Real, degrees: Real) -> Result<Measured, BenchError> {
     let cells = turns_of(degrees);
     let around = RADIUS + THICKNESS;
     let side = 2.0 * around * (0.5 * PI / TURNS as Real).sin();

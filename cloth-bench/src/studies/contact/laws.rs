@@ -1,17 +1,20 @@
 //! Closed forms of contact, through every method's own view of it.
 
-use super::cylinder;
+use super::cylinder::{self, polygon};
 use crate::studies::prelude::*;
+use std::f64::consts::PI;
 
 /// Acceleration of free fall (m/s²).
 pub(crate) const G: Real = 9.81;
 /// Coefficient of friction.
-pub(super) const MU: Real = 0.3;
+pub const MU: Real = 0.3;
+/// Height of the top of a cylinder above the free ends of a strip over the radius.
+const HEIGHT: Real = 3.0;
 /// Thickness (m) and stiffness (Pa/m) of contact, the defaults of scenes.
 pub(crate) const THICKNESS: Real = 2e-3;
 pub(super) const KAPPA: Real = 1e6;
 /// Areal density (kg/m²) at which meshes are compared.
-const HEAVY: Real = 20.0;
+pub const HEAVY: Real = 20.0;
 /// Steps of 1/60 s that a sheet slides, and within which it settles.
 const SLIDE: u32 = 30;
 const SETTLE: u32 = 40;
@@ -53,10 +56,8 @@ pub const MESHES: [&str; 7] = [
     "holes:12:2",
 ];
 
-/// A sheet of `n` vertices a side.
-fn square(n: u32) -> String {
-    format!("grid:{n}x{n}:alternating")
-}
+/// The mesh of a sheet, unless meshes are compared.
+pub const SQUARE: &str = "grid:9x9:alternating";
 
 /// A sheet with a mesh above a floor, at the gap (m), under gravity that is inclined by an angle (rad).
 fn sheet(
@@ -105,27 +106,12 @@ impl Measured {
     }
 }
 
-/// How far (m) a sheet slides from rest, and the closed form of the method's own steps, as of its free fall.
-pub fn slide(name: &str, degrees: Real) -> Result<Measured, BenchError> {
-    slide_with(name, degrees, MU)
-}
-
-/// The same with another coefficient of friction.
-pub fn slide_with(name: &str, degrees: Real, friction: Real) -> Result<Measured, BenchError> {
-    Ok(sliding(name, degrees, friction)?[0])
-}
-
-/// The part of its weight times the thickness that a sheet has lost of its energy after sliding from rest, to friction
-/// and to the method's own steps.
-pub fn slide_energy(name: &str, degrees: Real) -> Result<Measured, BenchError> {
-    Ok(sliding(name, degrees, MU)?[1])
-}
-
-/// How far (m) a sheet slides, and what it loses of its energy.
-fn sliding(name: &str, degrees: Real, friction: Real) -> Result<[Measured; 2], BenchError> {
+/// How far (m) a sheet slides from rest, and the closed form of the method's own steps, as of its free fall; and the
+/// part of its weight times the thickness that it loses of its energy, to friction and to the method's own steps.
+pub fn slide(name: &str, degrees: Real, friction: Real) -> Result<[Measured; 2], BenchError> {
     let angle = degrees.to_radians();
     let density = 0.2;
-    let scene = sheet(&square(9), density, angle, friction, gap(density, angle))?;
+    let scene = sheet(SQUARE, density, angle, friction, gap(density, angle))?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
     let (summary, end) = run::simulate(&scene, method, &settings, scene.dt, SLIDE)?;
@@ -152,34 +138,10 @@ fn energy_lost(scene: &Scene, end: &run::Summary) -> Real {
     lost / (mass * G * THICKNESS)
 }
 
-/// The gap (m) at which a sheet of an areal density (kg/m²) comes to rest.
-pub fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
-    Ok(settle(name, &square(9), density, 60)?[0])
-}
-
-/// The same of one of 20 kg/m² with so many vertices a side.
-pub fn rest_at(name: &str, vertices_a_side: Real) -> Result<Measured, BenchError> {
-    Ok(settle(name, &square(vertices_a_side as u32), HEAVY, 60)?[0])
-}
-
-/// The same with so many steps a second.
-pub fn rest_with(name: &str, rate: Real) -> Result<Measured, BenchError> {
-    Ok(settle(name, &square(9), HEAVY, rate as u32)?[0])
-}
-
-/// The same on a mesh ([`MESHES`]).
-pub fn rest_on(name: &str, mesh: &str) -> Result<Measured, BenchError> {
-    Ok(settle(name, mesh, HEAVY, 60)?[0])
-}
-
-/// The part of its weight times the thickness that a sheet of an areal density (kg/m²) has lost of its energy when it
-/// rests where it first touched.
-pub fn rest_energy(name: &str, density: Real) -> Result<Measured, BenchError> {
-    Ok(settle(name, &square(9), density, 60)?[1])
-}
-
-/// The gap (m) at which a sheet comes to rest, and what it loses of its energy.
-fn settle(name: &str, mesh: &str, density: Real, rate: u32) -> Result<[Measured; 2], BenchError> {
+/// The gap (m) at which a sheet with a mesh ([`MESHES`]) and an areal density (kg/m²) comes to rest with so many steps a
+/// second; and the part of its weight times the thickness that it has lost of its energy when it rests where it first
+/// touched.
+pub fn rest(name: &str, mesh: &str, density: Real, rate: u32) -> Result<[Measured; 2], BenchError> {
     let scene = sheet(mesh, density, 0.0, MU, THICKNESS)?;
     let method = Method::find(name)?;
     let settings = method.by_default(Settings::default());
@@ -237,7 +199,7 @@ const LAWS: [Law; 12] = [
                 5.0, 10.0, 15.0, 16.5, 17.0, 18.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0,
             ],
         ],
-        measure: slide,
+        measure: |name, degrees| Ok(slide(name, degrees, MU)?[0]),
     },
     Law {
         name: "gap",
@@ -247,7 +209,7 @@ const LAWS: [Law; 12] = [
         exact: &[("h − ρ g/κ", |density| gap(density, 0.0))],
         // From 102 on the cloth is pressed to less than half its thickness, where the law is another.
         points: [&[0.2, 20.0], &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0]],
-        measure: rest,
+        measure: |name, density| Ok(rest(name, SQUARE, density, 60)?[0]),
     },
     Law {
         name: "gap-size",
@@ -256,7 +218,7 @@ const LAWS: [Law; 12] = [
         y: "gap (m)",
         exact: &[("h − ρ g/κ", |_| gap(HEAVY, 0.0))],
         points: [&[3.0, 9.0], &[3.0, 5.0, 9.0, 17.0, 33.0]],
-        measure: rest_at,
+        measure: |name, n| Ok(rest(name, &format!("grid:{n}x{n}:alternating"), HEAVY, 60)?[0]),
     },
     Law {
         name: "gap-step",
@@ -265,7 +227,7 @@ const LAWS: [Law; 12] = [
         y: "gap (m)",
         exact: &[("h − ρ g/κ", |_| gap(HEAVY, 0.0))],
         points: [&[30.0], &[30.0, 60.0, 120.0, 240.0, 480.0]],
-        measure: rest_with,
+        measure: |name, rate| Ok(rest(name, SQUARE, HEAVY, rate as u32)?[0]),
     },
     Law {
         name: "rest-energy",
@@ -274,7 +236,7 @@ const LAWS: [Law; 12] = [
         y: "energy over weight times h (dimensionless)",
         exact: &[("ρ g/(2 κ h)", half_a_sinking)],
         points: [&[20.0], &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0]],
-        measure: rest_energy,
+        measure: |name, density| Ok(rest(name, SQUARE, density, 60)?[1]),
     },
     Law {
         name: "slide-energy",
@@ -289,7 +251,7 @@ const LAWS: [Law; 12] = [
             &[20.0],
             &[0.0, 10.0, 15.0, 18.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0],
         ],
-        measure: slide_energy,
+        measure: |name, degrees| Ok(slide(name, degrees, MU)?[1]),
     },
     Law {
         name: "stack",
@@ -315,11 +277,11 @@ const LAWS: [Law; 12] = [
         x: "coefficient of friction (dimensionless)",
         y: "ratio (dimensionless)",
         exact: &[
-            ("e^μπ", cylinder::capstan),
-            ("of the polygon", cylinder::polygon_half_around),
+            ("e^μπ", |friction| (friction * PI).exp()),
+            ("of the polygon", |friction| polygon(180.0, friction)),
         ],
         points: [&[0.3], &[0.1, 0.2, 0.3, 0.4, 0.5]],
-        measure: cylinder::slipping,
+        measure: |name, friction| cylinder::slip(name, 180.0, friction),
     },
     Law {
         name: "wrap",
@@ -327,29 +289,31 @@ const LAWS: [Law; 12] = [
         x: "angle of contact (°)",
         y: "ratio (dimensionless)",
         exact: &[
-            ("e^μθ", cylinder::wrap),
-            ("of the polygon", cylinder::polygon_around),
+            ("e^μθ", |degrees| (MU * degrees.to_radians()).exp()),
+            ("of the polygon", |degrees| polygon(degrees, MU)),
         ],
         points: [&[90.0], &[45.0, 90.0, 135.0, 180.0]],
-        measure: cylinder::wrapping,
+        measure: |name, degrees| cylinder::slip(name, degrees, MU),
     },
     Law {
         name: "pressure",
         title: "The pressure on top of a cylinder under a strip that hangs down on both sides, over that of its weight",
         x: "height of the top above the ends over the radius (dimensionless)",
         y: "pressure over ρ g (dimensionless)",
-        exact: &[("1 + H/R", cylinder::top_pressure)],
+        exact: &[("1 + H/R", |height| 1.0 + height)],
         points: [&[3.0], &[1.0, 2.0, 3.0, 4.0, 6.0]],
-        measure: cylinder::pressing,
+        measure: |name, height| cylinder::press(name, height, 0.0),
     },
     Law {
         name: "pressure-side",
         title: "The same beside the top, H = 3 R",
         x: "angle from the top (°)",
         y: "pressure over ρ g (dimensionless)",
-        exact: &[("H/R − 1 + 2 cos φ", cylinder::side_pressure)],
+        exact: &[("H/R − 1 + 2 cos φ", |degrees| {
+            HEIGHT - 1.0 + 2.0 * degrees.to_radians().cos()
+        })],
         points: [&[45.0], &[0.0, 22.5, 45.0, 67.5]],
-        measure: cylinder::pressing_at,
+        measure: |name, degrees| cylinder::press(name, HEIGHT, degrees),
     },
 ];
 
@@ -411,7 +375,7 @@ fn on_every_mesh(study: &mut StudyRun<'_>) {
         iproduct!(MESHES, asked(study.scope)),
         |(mesh, method)| format!("a sheet at rest, {mesh}, by {method}"),
         |&(mesh, method)| {
-            let Measured { expected, measured } = rest_on(method, mesh)?;
+            let [Measured { expected, measured }, _] = rest(method, mesh, HEAVY, 60)?;
             Ok(Gap {
                 expected,
                 measured,

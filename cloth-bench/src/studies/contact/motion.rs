@@ -1,7 +1,6 @@
 //! The same motion in contact on every mesh and with every step, and what its error costs.
 
 use super::survival::scene_of;
-use crate::studies::cases::LazyCell;
 use crate::studies::meshes_and_steps::{MeshesAndSteps, OverConverged, Point};
 use crate::studies::prelude::*;
 use crate::studies::work_precision::distance;

@@ -1,8 +1,6 @@
 //! One step of implicit Euler in contact as a problem with a known answer, and how far each method is from it.
 
 use super::survival::scene_of;
-use crate::run::median;
-use crate::studies::cases::LazyCell;
 use crate::studies::convergence::variants::{cut, iterated};
 use crate::studies::prelude::*;
 use crate::yardstick::Recorder;

@@ -4,7 +4,6 @@ use crate::run::{Plan, SeparationWatch, Solver};
 use crate::studies::prelude::*;
 use crate::studies::stability::map::runs;
 use crate::studies::{capitalised, collision, scale};
-use cloth_core::random::SplitMix64;
 use std::path::Path;
 
 const QUARTER: Real = std::f64::consts::FRAC_PI_2;

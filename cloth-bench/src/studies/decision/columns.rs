@@ -2,7 +2,6 @@
 
 use super::measure::Contact;
 use super::{REFERENCE, Row, measure};
-use crate::report::table::Mark;
 use crate::studies::prelude::*;
 use crate::studies::{NOISE, stability};
 
@@ -244,7 +243,6 @@ impl Row {
 
     /// Vertices at 60 steps a second, by the power law through both sizes; but no step takes less than in proportion to
     /// the vertices, whatever small sizes may say.
-    #[must_use]
     pub fn real_time(&self) -> Option<Real> {
         let cost = self.cost.as_ref()?;
         let [small, large] = cost.sides.map(|side| Real::from(side).powi(2));
@@ -261,7 +259,6 @@ impl Rule {
     }
 
     /// What to think of one of several values, given that of the reference.
-    #[must_use]
     pub fn judge(&self, value: Real, all: &[Real], reference: Option<Real>) -> Mark {
         let least = all.iter().copied().fold(Real::INFINITY, Real::min);
         let most = all.iter().copied().fold(0.0, Real::max);

@@ -2,6 +2,7 @@
 
 use super::super::stability::{self, StableUpTo};
 use super::super::{Scope, locking, scale, sheets};
+use crate::studies::pictures::coordinates;
 use crate::studies::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -86,10 +87,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// Measures a method.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] if the reference does not converge; a method that fails says so in the reasons.
+    /// Measures a method; one that fails says so in the reasons.
     pub fn measure(scope: Scope, method: &Method) -> Result<Self, BenchError> {
         let mut step = Self {
             stable: stability::stable_up_to(method.name, stable_steps(scope))?,
@@ -133,9 +131,6 @@ fn error_of_a_step(n: u32, method: &Method) -> Result<Real, BenchError> {
 }
 
 /// What becomes of the method of which no step is stable: that, in two words; the error it ends with is foretold.
-///
-/// # Errors
-/// [`BenchError::Failed`] for a scene that cannot be built.
 pub fn hopeless(scope: Scope) -> Result<String, BenchError> {
     let stable = stability::stable_up_to(scale::WITHOUT, stable_steps(scope))?;
     Ok(stable
@@ -217,7 +212,7 @@ impl Drape {
                     .intersections
                     .map(|own| (own + summary.obstacle_intersections.unwrap_or(0)) as Real),
                 excess: Some(summary.energy_excess / summary.energy_given.max(Real::MIN_POSITIVE)),
-                positions: end.positions.into_iter().map(Into::into).collect(),
+                positions: coordinates(end.positions),
                 reason: None,
             },
             Err(error) => Self {

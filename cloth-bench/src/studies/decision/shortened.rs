@@ -1,7 +1,7 @@
 //! Steps in contact that end before they are converged: which of them is the better for its time?
 
 use super::measure::Drape;
-use crate::studies::NOISE;
+use crate::studies::pictures::vectors;
 use crate::studies::prelude::*;
 use std::cmp::Ordering;
 
@@ -65,10 +65,8 @@ pub(super) fn compare(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     }
     let caption =
         "Steps in contact that end early, beside converged ones (the first of each scene)";
-    study
-        .findings
-        .table("decision-shortened", caption, Table::of(&rows));
-    study.findings.answer(
+    study.table("decision-shortened", caption, Table::of(&rows));
+    study.answer(
         "In contact, projective dynamics or the implicit step cut short?",
         format!(
             "The first to be right to {}: {}. Time of a step, and how far the fall is off that of converged steps:",
@@ -103,7 +101,7 @@ fn compare_on(
     });
     let mut converged = None;
     for (end, drape) in found {
-        let positions: Vec<Vec3> = drape.positions.iter().copied().map(Vec3::from).collect();
+        let positions = vectors(&drape.positions);
         let fall = (!positions.is_empty()).then(|| start - mean_height(&positions));
         converged = converged.or(fall);
         let off = fall.zip(converged).map(|(fall, right)| fall / right - 1.0);

@@ -34,9 +34,6 @@ pub struct Locking {
 
 impl Locking {
     /// Counts and measures a mesh.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] if an edge is not manifold, [`BenchError::Failed`] if the rank cannot be measured.
     pub fn of(mesh: &TriMesh) -> Result<Self, BenchError> {
         let edges = EdgeTable::build(mesh).map_err(BenchError::usage)?;
         Ok(Self {

@@ -9,6 +9,7 @@
 //! by bisection.
 
 use super::sheet::{Kind, Rest, Sheet, square};
+use crate::bisection::bisected;
 use crate::studies::prelude::*;
 
 /// Acceleration of free fall (m/s²).
@@ -58,15 +59,8 @@ impl Fold {
     pub fn exact(axis: Axis, clamp: Real, rigidity: Real) -> Self {
         let length = std::f64::consts::FRAC_1_SQRT_2 - clamp;
         // The angle at the clamp grows with that at the corner.
-        let (mut low, mut high) = (0.0, std::f64::consts::FRAC_PI_2);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if integrate(length, rigidity, middle, |_, _, _| ()) > 0.0 {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
+        let is_below = |angle| integrate(length, rigidity, angle, |_, _, _| ()) <= 0.0;
+        let [low, _] = bisected([0.0, std::f64::consts::FRAC_PI_2], 60, is_below);
         let mut slopes = Vec::with_capacity(STEPS + 1);
         let mut bending_energy = 0.0;
         let ds = length / STEPS as Real;

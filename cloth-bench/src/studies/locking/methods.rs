@@ -7,7 +7,6 @@ use super::sweeps::RIGIDITY;
 use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;
 use cloth_core::energy::Spring;
-use cloth_core::measure::Strain;
 use cloth_core::topology::EdgeTable;
 
 const MODULUS: Real = 1e6;

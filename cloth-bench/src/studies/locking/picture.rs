@@ -3,7 +3,6 @@
 
 use super::fold::{self, Axis, Fold};
 use super::sheet::{Kind, Sheet};
-use crate::bounds::bounds;
 use crate::report::canvas::{WIDTH, wrap};
 use crate::report::html::base64;
 use crate::report::render::{Surface, View, render};

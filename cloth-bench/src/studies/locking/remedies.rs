@@ -4,10 +4,10 @@ use super::fold::{self, Axis};
 use super::sheet::{KINDS, Kind, Sheet, square};
 use super::sweeps::RIGIDITY;
 use super::{cone, count};
+use crate::studies::interleaved::timed;
 use crate::studies::prelude::*;
 use cloth_core::dof::{EdgeRank, perturbed};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};
-use std::time::Instant;
 
 /// Y (N/m): a cone of springs is locked by it.
 const MODULUS: Real = 1e8;
@@ -82,10 +82,8 @@ fn cost(pattern: &str, cells: usize, kind: Kind) -> Result<Real, BenchError> {
     for _ in 0..7 {
         for ((solver, start), shortest) in both.iter_mut().zip(&mut shortest) {
             let mut state = start.clone();
-            let started = Instant::now();
             let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -fold::GRAVITY);
-            solver.step(&mut state, input)?;
-            *shortest = shortest.min(started.elapsed().as_secs_f64());
+            *shortest = shortest.min(timed(|| solver.step(&mut state, input))?);
         }
     }
     Ok(shortest[0] / shortest[1])

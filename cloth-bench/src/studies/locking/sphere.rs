@@ -14,7 +14,6 @@ use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;
 use cloth_core::dof::EdgeRank;
 use cloth_core::energy::Spring;
-use cloth_core::measure::Strain;
 use cloth_core::topology::EdgeTable;
 
 /// D (N·m): cloth of this weight bends under itself over 8 cm.

@@ -8,7 +8,6 @@ use cloth_core::element::{Convexity, Energy};
 use cloth_core::energy::Spring;
 use cloth_core::math::Mat3;
 use cloth_core::method::linear::LinearMethod;
-use cloth_core::random::SplitMix64;
 use cloth_massspring::{HessianPolicy, ImplicitConfig, ImplicitEuler, Solve};
 
 const DT: Real = 1.0 / 60.0;

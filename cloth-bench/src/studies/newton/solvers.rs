@@ -1,7 +1,6 @@
 //! Every linear solver on the same system.
 
 use super::{System, seconds};
-use crate::studies::NOISE;
 use crate::studies::prelude::*;
 use cloth_core::method::linear::{LinearMethod, LinearSolver, StoppingCriteria};
 use cloth_core::step::Outcome;

@@ -6,20 +6,16 @@ use cloth_core::energy::Spring;
 use cloth_core::method::linear::{Cholesky, UpperPattern};
 use cloth_core::method::parallel::wide;
 use cloth_pd::{LocalStep, PanelFactor, WoodburyUpdate};
+use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::Instant;
 
 /// `M/Δt² + Σ w SᵀS` of the springs and hinges of a scene, all vertices free, factorised.
-///
-/// # Errors
-/// [`BenchError::Failed`] if the factor does not fit into memory, or the matrix is singular.
 pub fn constant_matrix(scene: &Scene) -> Result<Cholesky, BenchError> {
     let model = &scene.model;
     let masses = model.particles.mass().iter();
-    let mut columns: Vec<Vec<(u32, Real)>> = (0..)
-        .zip(masses)
-        .map(|(v, m)| vec![(v, m / (scene.dt * scene.dt))])
-        .collect();
+    let inertia = |(v, m): (u32, &Real)| BTreeMap::from([(v, m / (scene.dt * scene.dt))]);
+    let mut columns: Vec<BTreeMap<u32, Real>> = (0..).zip(masses).map(inertia).collect();
     add(&model.springs, &mut columns);
     add(&model.hinges, &mut columns);
     let mut pattern = UpperPattern {
@@ -27,12 +23,9 @@ pub fn constant_matrix(scene: &Scene) -> Result<Cholesky, BenchError> {
         rows: Vec::new(),
     };
     let mut values: Vec<Real> = Vec::new();
-    for column in &mut columns {
-        column.sort_by_key(|entry| entry.0);
-        for same in column.chunk_by(|a, b| a.0 == b.0) {
-            pattern.rows.push(same[0].0);
-            values.push(same.iter().map(|entry| entry.1).sum());
-        }
+    for column in &columns {
+        pattern.rows.extend(column.keys());
+        values.extend(column.values());
         pattern.column_offsets.push(values.len() as u32);
     }
     let mut cholesky = Cholesky::analyze(pattern)?;
@@ -42,13 +35,13 @@ pub fn constant_matrix(scene: &Scene) -> Result<Cholesky, BenchError> {
 }
 
 /// Adds the upper half of `Σ w SᵀS`.
-fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [Vec<(u32, Real)>]) {
+fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [BTreeMap<u32, Real>]) {
     for element in elements {
         let (vertices, [row]) = (element.vertices(), element.operator());
         for i in 0..N {
             for j in (0..N).filter(|&j| vertices[j] <= vertices[i]) {
-                let entry = (vertices[j], element.weight() * row[i] * row[j]);
-                columns[vertices[i] as usize].push(entry);
+                let column = &mut columns[vertices[i] as usize];
+                *column.entry(vertices[j]).or_default() += element.weight() * row[i] * row[j];
             }
         }
     }
@@ -63,18 +56,7 @@ const MOST_ROWS: usize = 120;
 
 /// Of the factor of one size: numbers in the lower half of the matrix and in the factor, their ratio, and so on, as the
 /// columns say.
-type Cost = (
-    usize,
-    usize,
-    Real,
-    Real,
-    Real,
-    Real,
-    Real,
-    Real,
-    Real,
-    Option<usize>,
-);
+type Cost = ([usize; 2], [Real; 7], Option<usize>);
 const COST: [&str; 11] = [
     "n",
     "numbers in the lower half of the matrix",
@@ -119,9 +101,8 @@ fn cost(n: u32) -> Result<Cost, BenchError> {
     let [ms, ms_solve, ms_library] = [factorise, solve, library].map(|seconds| 1e3 * seconds);
     let bandwidth = 16e-9 * factor as Real / solve;
     let over = [library / solve, solve / stream];
-    Ok((
-        given, factor, fill, ms, ms_solve, ms_library, over[0], bandwidth, over[1], rows,
-    ))
+    let costs = [fill, ms, ms_solve, ms_library, over[0], bandwidth, over[1]];
+    Ok(([given, factor], costs, rows))
 }
 
 /// One row per size.

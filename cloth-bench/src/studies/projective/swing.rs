@@ -2,7 +2,6 @@
 //! implicit Euler.
 
 use super::{LONG, SHORT};
-use crate::studies::NOISE;
 use crate::studies::prelude::*;
 use cloth_core::measure::{Strain, kinetic_energy};
 

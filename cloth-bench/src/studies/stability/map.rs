@@ -5,7 +5,6 @@ use crate::studies::prelude::*;
 use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
-use cloth_core::random::SplitMix64;
 
 /// Vertices a side.
 pub(in crate::studies) const N: usize = 9;

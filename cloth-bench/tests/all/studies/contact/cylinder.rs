@@ -1,9 +1,7 @@
 //! Strips on a cylinder, and stacks on a floor.
 
-use cloth_bench::studies::contact::cylinder::{
-    carried, pressing, pressing_at, slipping, stack, wrapping,
-};
-use cloth_bench::studies::contact::laws::Measured;
+use cloth_bench::studies::contact::cylinder::{carried, press, slip, stack};
+use cloth_bench::studies::contact::laws::{MU, Measured};
 
 /// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. A tolerance is a
 /// part of all forces, which at the ends are thousands of times what moves the strip: implicit Euler lets go late
@@ -20,7 +18,7 @@ fn strips_slip_at_the_ratio_of_their_polygon() {
         "xpbd-direct",
         "implicit-euler",
     ] {
-        let Measured { expected, measured } = slipping(name, 0.3).unwrap();
+        let Measured { expected, measured } = slip(name, 180.0, MU).unwrap();
         let over = measured.0 / expected.0 - 1.0;
         let most = match name {
             "implicit-euler" => 0.05,
@@ -30,7 +28,7 @@ fn strips_slip_at_the_ratio_of_their_polygon() {
         };
         assert!((0.0..most).contains(&over), "{name}: {over}");
     }
-    assert!(slipping("pbd", 0.3).unwrap().measured.0.is_infinite());
+    assert!(slip("pbd", 180.0, MU).unwrap().measured.0.is_infinite());
 }
 
 /// Soft cloth of position-based dynamics is longer, and presses by as much more: by a tenth to a third, as it happens
@@ -55,7 +53,7 @@ fn hanging_strips_press_as_their_tension_says() {
 
 /// By what part a strip of so many radii presses more than its tension at rest says.
 fn pressed_more(name: &str, height_over_radius: f64) -> f64 {
-    let Measured { expected, measured } = pressing(name, height_over_radius).unwrap();
+    let Measured { expected, measured } = press(name, height_over_radius, 0.0).unwrap();
     measured.0 / expected.0 - 1.0
 }
 
@@ -98,7 +96,7 @@ fn strips_slip_and_press_as_far_around_as_they_go() {
         ("implicit-euler", 0.05, 4e-3),
     ] {
         for degrees in [45.0, 90.0, 135.0] {
-            let Measured { expected, measured } = wrapping(name, degrees).unwrap();
+            let Measured { expected, measured } = slip(name, degrees, MU).unwrap();
             let over = measured.0 / expected.0 - 1.0;
             assert!(
                 (0.0..most_ratio).contains(&over),
@@ -106,7 +104,7 @@ fn strips_slip_and_press_as_far_around_as_they_go() {
             );
         }
         for degrees in [22.5, 45.0, 67.5] {
-            let Measured { expected, measured } = pressing_at(name, degrees).unwrap();
+            let Measured { expected, measured } = press(name, 3.0, degrees).unwrap();
             let error = (measured.0 / expected.0 - 1.0).abs();
             assert!(error < most_pressure, "{name}, {degrees}°: {error}");
         }

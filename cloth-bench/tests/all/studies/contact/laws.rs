@@ -1,7 +1,7 @@
 //! Sheets that slide and rest, against closed forms.
 
 use cloth_bench::studies::contact::laws::{
-    MESHES, Measured, methods, rest, rest_at, rest_energy, rest_on, rest_with, slide, slide_energy,
+    HEAVY, MESHES, MU, Measured, SQUARE, methods, rest, slide,
 };
 
 /// The most (m) by which a method is off, for each about a tenth more than measured: below the angle of friction; where
@@ -35,14 +35,15 @@ fn every_method_slides_and_rests_as_the_closed_forms_say() {
         let [sticks, slides, rests, presses] = bounds(name);
         for (degrees, most) in [(10.0, sticks), (20.0, slides), (40.0, slides)] {
             assert_off(
-                slide(name, degrees).unwrap(),
+                slide(name, degrees, MU).unwrap()[0],
                 most,
                 &format!("{name}, {degrees}°"),
             );
         }
         for (density, most) in [(0.2, rests), (20.0, rests), (80.0, presses)] {
             let at = format!("{name}, {density} kg/m²");
-            assert_off(rest(name, density).unwrap(), most, &at);
+            let [gap, _] = rest(name, SQUARE, density, 60).unwrap();
+            assert_off(gap, most, &at);
         }
     }
 }
@@ -54,14 +55,13 @@ fn sheets_rest_at_the_same_gap_on_every_mesh() {
     for name in methods().into_iter().filter(|&name| name != "xpbd-direct") {
         for mesh in MESHES {
             let at = format!("{name}, {mesh}");
-            assert_off(rest_on(name, mesh).unwrap(), bounds(name)[2], &at);
+            let [gap, _] = rest(name, mesh, HEAVY, 60).unwrap();
+            assert_off(gap, bounds(name)[2], &at);
         }
-        for n in [3.0, 17.0] {
-            assert_off(
-                rest_at(name, n).unwrap(),
-                bounds(name)[2],
-                &format!("{name}, {n}"),
-            );
+        for n in [3, 17] {
+            let mesh = format!("grid:{n}x{n}:alternating");
+            let [gap, _] = rest(name, &mesh, HEAVY, 60).unwrap();
+            assert_off(gap, bounds(name)[2], &format!("{name}, {n}"));
         }
     }
 }
@@ -70,13 +70,10 @@ fn sheets_rest_at_the_same_gap_on_every_mesh() {
 #[test]
 fn sheets_rest_at_the_same_gap_with_every_step() {
     for name in methods().into_iter().filter(|&name| name != "xpbd-direct") {
-        for rate in [30.0, 240.0] {
+        for rate in [30, 240] {
             let most = bounds(name)[2].max(4e-7);
-            assert_off(
-                rest_with(name, rate).unwrap(),
-                most,
-                &format!("{name}, 1/{rate} s"),
-            );
+            let [gap, _] = rest(name, SQUARE, HEAVY, rate).unwrap();
+            assert_off(gap, most, &format!("{name}, 1/{rate} s"));
         }
     }
 }
@@ -93,12 +90,12 @@ fn contact_takes_as_much_energy_as_the_closed_forms_say() {
             } else {
                 6e-8
             };
-            let off = off(rest_energy(name, density).unwrap());
+            let off = off(rest(name, SQUARE, density, 60).unwrap()[1]);
             assert!(off < most, "{name}, {density} kg/m²: {off:e}");
         }
-        let level = off(slide_energy(name, 0.0).unwrap());
+        let level = off(slide(name, 0.0, MU).unwrap()[1]);
         assert!(level < 6e-6, "{name}: {level:e}");
-        let found = slide_energy(name, 40.0).unwrap();
+        let [_, found] = slide(name, 40.0, MU).unwrap();
         let part = off(found) / found.expected.0;
         let most = match name {
             "implicit-midpoint" => 4e-4,
