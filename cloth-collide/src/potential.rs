@@ -269,7 +269,7 @@
 //!
 //! | method | what bounds the step | what tells |
 //! |---|---|---|
-//! | those that minimise | no stability. A path is followed by 5 h an iteration, so it takes u Δt/(5 h) of them at least: 34 for 10 m/s, 1/60 s and 1 mm. Friction is that of the step before. | `Outcome::BudgetSpent` and the residual |
+//! | those that minimise | no stability. A path is followed by 10 h an iteration, so it takes u Δt/(10 h) of them at least: 17 for 10 m/s, 1/60 s and 1 mm. Friction is that of the step before. | `Outcome::BudgetSpent` and the residual |
 //! | XPBD, PBD, by substeps | u Δt < l. Normals and nearest points are those of the start of the substep. What slides farther is over other triangles, whose pairs are only tested, and repaired at the end. From 30 l on nothing but the last resort is left. | `violated`, `shortened` and `zones` of [`ConstraintReport`] |
 //! | explicit, by substeps | its own stable step, which is of the order of l over the speed of sound in the cloth. κ does not shorten it: contact is a constraint with a compliance, so implicit. | the same |
 //! | with bodies that the cloth pushes | Δt < 2/Ω by [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency); a method that minimises, a push of less than h | [`PotentialContacts::largest_push`] |

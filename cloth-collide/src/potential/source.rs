@@ -21,9 +21,8 @@ use cloth_core::contact::{
 use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
-/// Paths longer than this many thicknesses, relative to the mean motion, are tested up to there only: how many pairs a
-/// path can bring into contact grows with the square of its length.
-const LONGEST: Real = 5.0;
+/// Paths longer than this many thicknesses, relative to the mean motion, are tested up to there only.
+const LONGEST: Real = 10.0;
 /// Times that pairs are chosen anew because vertices were cut, before all are cut alike.
 const MOST_ROUNDS: u32 = 10;
 /// Coordinates (m) from which on squares are beyond all numbers.
