@@ -257,10 +257,9 @@
 //!
 //! Pairs of bodies, and of a body with prescribed cloth, are left out: a body that nothing pushes may pass through
 //! itself and others, and prescribed cloth may be inside of one. A triangle with a prescribed corner that crosses a
-//! body at the start of a step passes through it, as nothing could part the two: a flag in its pole. So does one whose
-//! prescribed corner is within h/10 of a body with a signed distance: a cape on a shoulder. Once the corner is out, and
-//! nothing crosses there, contact is what it was ([`PotentialContacts::prescribed_inside`]). Prescribed parts of the
-//! cloth that cross each other are an error.
+//! body at the start of a step passes through it, as nothing could part the two: a flag in its pole. Once the corner is
+//! out, and nothing crosses there, contact is what it was ([`PotentialContacts::prescribed_inside`]). Prescribed parts
+//! of the cloth that cross each other are an error.
 //!
 //! # Which step for which speed
 //!

@@ -216,7 +216,7 @@ impl Scene {
         vertices.truncate(MOST);
         let vertices: Vec<String> = vertices.iter().map(u32::to_string).collect();
         Some(format!(
-            "held vertices are in {body} or on it, and the triangles around them pass through it: vertices {}{more}{others}",
+            "held vertices are in {body}, and the triangles around them pass through it: vertices {}{more}{others}",
             vertices.join(", ")
         ))
     }

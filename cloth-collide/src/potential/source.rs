@@ -27,9 +27,6 @@ const LONGEST: Real = 10.0;
 const MOST_ROUNDS: u32 = 10;
 /// Coordinates (m) from which on squares are beyond all numbers.
 const LARGEST: Real = 1e150;
-/// Distance (in thicknesses) at which a prescribed vertex counts as one in the body: as its forces grow without bounds,
-/// nothing else could be fixed to a surface.
-const TOUCHING: Real = 0.1;
 /// Displacement (in thicknesses) below which friction is a spring.
 const STICKING: Real = 1e-2;
 
@@ -550,22 +547,12 @@ impl Contacts {
         let Near {
             prescribed_inside,
             is_free,
-            law,
-            cloth,
             ..
         } = &mut self.near;
-        let touches = |v: usize, (body, _): &Body| {
-            !is_free[v] && body.signed_distance(step.from[v], 0.0).value <= TOUCHING * law.range()
-        };
-        let bodies = &self.bodies;
-        prescribed_inside.retain(|v, body| bodies.get(body).is_some_and(|body| touches(v, body)));
-        let prescribed = (0..*cloth).filter(|&v| !is_free[v]);
-        let touching = prescribed.flat_map(|v| {
-            let bodies = (0u32..).zip(bodies);
-            let touched = bodies.filter(move |(_, body)| touches(v, body));
-            touched.map(move |(number, _)| [v as u32, number])
+        prescribed_inside.retain(|v, body| {
+            let body = self.bodies.get(body).filter(|_| !is_free[v]);
+            body.is_some_and(|(body, _)| body.signed_distance(step.from[v], 0.0).value <= 0.0)
         });
-        prescribed_inside.extend(touching);
         self.near.check_crossing(step.from)?;
         Ok(goes_on && self.near.prescribed_inside == before)
     }

@@ -362,8 +362,8 @@ impl PotentialContacts {
         false
     }
 
-    /// The prescribed vertices with a triangle that crosses a body, or on its surface, around which cloth passes through
-    /// it: pairs of a vertex and the number of the body. Obstacles have the first numbers, animated surfaces the next.
+    /// The prescribed vertices with a triangle that crosses a body, and passes through it therefore: pairs of a vertex
+    /// and the number of the body. Obstacles have the first numbers, animated surfaces the next.
     #[must_use]
     pub fn prescribed_inside(&self) -> &[[u32; 2]] {
         self.contacts.near.prescribed_inside.pairs()
