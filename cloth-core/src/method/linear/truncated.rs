@@ -19,7 +19,7 @@ impl TruncatedConjugateGradients {
     /// Writes `p = −H⁻¹ g` (m), nearly, to `out` for a gradient g (N), with `multiply` for products with H (N/m),
     /// positive definite, and `inverse` near H⁻¹. It ends where the residual, in the norm of `inverse`, is `tolerance`
     /// times the first, or after `most` iterations. Returns `rᵀ H⁻¹ r` (J) of the residual r that is left, nearly, and
-    /// the number of iterations: `gᵀ H⁻¹ g = −gᵀ p + rᵀ H⁻¹ r`.
+    /// the number of iterations: `gᵀ H⁻¹ g = −gᵀ p + rᵀ H⁻¹ r`. It is 0 where rounding has made `inverse` indefinite.
     pub fn solve(
         &mut self,
         (tolerance, most): (Real, u32),
@@ -49,14 +49,14 @@ impl TruncatedConjugateGradients {
             let length = size / dot(&self.direction, &self.product);
             if !(length.is_finite() && length > 0.0) {
                 // A gradient of zero, or a matrix that rounding has made indefinite.
-                return (size, iteration);
+                return (size.max(0.0), iteration);
             }
             add(out, length, &self.direction);
             add(&mut self.residual, -length, &self.product);
             inverse(&self.residual, &mut self.preconditioned);
             let next = dot(&self.residual, &self.preconditioned);
             if next <= tolerance * tolerance * first {
-                return (next, iteration);
+                return (next.max(0.0), iteration);
             }
             let ratio = next / size;
             size = next;
@@ -64,6 +64,6 @@ impl TruncatedConjugateGradients {
                 *p = z + *p * ratio;
             }
         }
-        (size, most)
+        (size.max(0.0), most)
     }
 }
