@@ -86,6 +86,11 @@ pub(crate) fn farthest(from: &[Vec3], to: &[Vec3], shift: Vec3) -> Real {
     squares.fold(0.0, Real::max).sqrt()
 }
 
+/// How far (m) a point goes, at most, relative to the mean motion.
+pub(crate) fn longest([from, to]: [&[Vec3]; 2]) -> Real {
+    farthest(from, to, mean(to) - mean(from))
+}
+
 /// The mean of some positions (m).
 pub(crate) fn mean(positions: &[Vec3]) -> Vec3 {
     positions.iter().sum::<Vec3>() / positions.len().max(1) as Real

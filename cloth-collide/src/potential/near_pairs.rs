@@ -9,7 +9,7 @@ use super::culled::CulledPairs;
 use super::near::Near;
 use super::pair::PairContact;
 use super::patches::Patches;
-use crate::bounds::{Bounds, farthest, mean};
+use crate::bounds::{Bounds, farthest, longest};
 use crate::ccd::{Query, QueryKind};
 use crate::obstacle::Obstacle;
 use crate::pair::{Gap, Pair};
@@ -296,11 +296,6 @@ impl NearPairs {
             }
         }
     }
-}
-
-/// How far (m) a vertex goes, at most, relative to the mean motion.
-pub(super) fn longest([from, to]: [&[Vec3]; 2]) -> Real {
-    farthest(from, to, mean(to) - mean(from))
 }
 
 /// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around

@@ -12,7 +12,7 @@ use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::obstacle_contact::ObstacleContact;
 use super::stops::Stops;
-use crate::bounds::{farthest, mean};
+use crate::bounds::longest;
 use crate::obstacle::Obstacle;
 use crate::pair::{Gap, weighted};
 use cloth_core::contact::{
@@ -291,9 +291,8 @@ impl Contacts {
 
     /// The fraction of paths (m) that is tested: they are too long beyond.
     fn tested_fraction(&self, from: &[Vec3], to: &[Vec3]) -> Real {
-        let (from, to) = (self.near.own(from), self.near.own(to));
-        let shift = mean(to) - mean(from);
-        (LONGEST * self.near.law.range() / farthest(from, to, shift)).min(1.0)
+        let path = [from, to].map(|x| self.near.own(x));
+        (LONGEST * self.near.law.range() / longest(path)).min(1.0)
     }
 
     /// ε (m): the displacement below which friction is a spring.
