@@ -174,6 +174,13 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
         let _ = (x, out);
     }
 
+    /// Appends to `out`, for each term of [`linearize`](Self::linearize) at `x` and in their order, by how much (m) its
+    /// distance at `to` differs from what the term says, `d(to) − d(x) − J·(to − x)`; d is negative where `to` is on
+    /// the other side. A source that does not know appends nothing.
+    fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
+        let _ = (x, to, out);
+    }
+
     /// Takes notice of a direction (m) from `x` (m), where the terms were taken last, that nearly solves a system with
     /// them: of which forces contacts have in that solution. The terms that are taken next may be as stiff as a
     /// primal–dual method has them, with these forces as multipliers (Nocedal and Wright 2006, section 19.3). Most

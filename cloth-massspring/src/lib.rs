@@ -330,9 +330,9 @@
 //!   (primal–dual: `multipliers.rs` of `cloth-collide`). The rest, `a ψ′ ∂²d`, may have negative eigenvalues, and is
 //!   left out. So a contact is a term of rank one in the matrix of the multigrid cycle, which comes and goes without a
 //!   new pattern; around the whole cycle if it is ten times as stiff as the cloth, or couples all vertices of a part.
-//! - Where contact cuts steps short, directions come from conjugate gradients around the cycle
-//!   ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)), and where hardly any of a direction is
-//!   free, each vertex follows it as far as it alone can (`implicit/minimizer.rs`).
+//! - Where contact cuts steps short, directions come from conjugate gradients around the cycle, with a second-order
+//!   correction of nearly closed pairs ([`ContactHessian`](cloth_core::method::contact_hessian::ContactHessian)); where
+//!   hardly any of a direction is free, each vertex follows it as far as it alone can (`implicit/minimizer.rs`).
 //!
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings. The matrix of [`Solve::Newton`] has the pattern of

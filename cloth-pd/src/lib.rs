@@ -298,7 +298,8 @@
 //!   cycle for that matrix. H is the clamped Hessian of inertia and all elements at the iterate, J the derivative of a
 //!   distance by the vertices and k ≥ 0 the second derivative of its energy
 //!   ([`ContactRow`](cloth_core::contact::ContactRow)), among them the volume of a closed surface
-//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)). The constant matrix waits until nothing touches.
+//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)); nearly closed pairs get a second-order correction. The
+//!   constant matrix waits until nothing touches.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex (as by Wu et al. 2020 and Chen et al. 2025, but by
 //!   continuous collision detection: `contact.rs`; [`limit_each`](cloth_core::contact::ContactPotential::limit_each)),

@@ -125,4 +125,12 @@ impl TruncatedNewton {
         let end = (CG_TOLERANCE, MAX_CG_ITERATIONS);
         self.system.solve(end, &point.gradient, out).1
     }
+
+    /// The second-order correction of the direction (m) that was found last, at x (m), or of what is left of it
+    /// ([`ContactHessian::correct`]).
+    pub(crate) fn correct(&mut self, contact: &Contact<'_>, x: &[Vec3], direction: &mut [Vec3]) {
+        if let Some(contact) = contact.as_deref() {
+            self.system.correct(contact, x, 1.0, direction);
+        }
+    }
 }

@@ -210,6 +210,11 @@ impl QuasiNewton {
     ) -> Result<Option<Real>, ContactError> {
         let is_shortened = self.shorten_to_radius();
         let tried = longest(&self.direction);
+        if self.uses_newton_direction()
+            && let Some(newton) = &mut self.newton
+        {
+            newton.correct(contact, &point.positions, &mut self.direction);
+        }
         self.limit_each(point, contact)?;
         self.slope = dot(&point.gradient, &self.direction);
         let left = longest(&self.direction);

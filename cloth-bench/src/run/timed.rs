@@ -170,6 +170,10 @@ impl ContactPotential for Timed {
         self.ask(|p| p.linearize_globally(x, out));
     }
 
+    fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
+        self.ask(|p| p.linearization_errors(x, to, out));
+    }
+
     fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
         self.change(|p| p.update_multipliers(x, direction));
     }

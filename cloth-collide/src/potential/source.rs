@@ -256,6 +256,24 @@ impl ContactPotential for Contacts {
         out.extend(contacts.flat_map(|contact| contact.rows(reach, x)));
     }
 
+    fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
+        for near in self.pairs.iter_at(x) {
+            let places = gather(x, near.pair.vertices);
+            let gap = Gap::new(near.pair.kind, &places);
+            if gap.distance < near.law.range() {
+                let area = near.area_at(&places);
+                if self.multipliers.stiffness(near, &gap, area) > 0.0 {
+                    let there = Gap::new(near.pair.kind, &gather(to, near.pair.vertices));
+                    let signed = there.distance.copysign(there.normal.dot(&gap.normal));
+                    let linear = gap
+                        .normal
+                        .dot(&weighted(near.pair.vertices, gap.weights, to));
+                    out.push(signed - linear);
+                }
+            }
+        }
+    }
+
     fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
         self.multipliers.update(&self.pairs, x, direction);
     }

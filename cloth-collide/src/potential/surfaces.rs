@@ -522,6 +522,17 @@ impl ContactPotential for PotentialContacts {
         }
     }
 
+    fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
+        if self.contacts.is_clear_of_surfaces() {
+            return self.contacts.linearization_errors(x, to, out);
+        }
+        let [from, end] = &mut *self.surfaces.shared.lock();
+        from[..x.len()].copy_from_slice(x);
+        end.clone_from(from);
+        end[..x.len()].copy_from_slice(to);
+        self.contacts.linearization_errors(from, end, out);
+    }
+
     fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
         let Self { contacts, surfaces } = self;
         let [place, motion] = &mut *surfaces.shared.lock();

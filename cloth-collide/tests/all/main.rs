@@ -18,6 +18,7 @@ mod garments;
 mod guarantee;
 #[path = "../support/lattice.rs"]
 mod lattice;
+mod linearization_errors;
 mod multipliers;
 mod nearest_edge_edge;
 mod nearest_point_triangle;

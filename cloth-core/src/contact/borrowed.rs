@@ -75,6 +75,10 @@ impl<T: ContactPotential + ?Sized> ContactPotential for &mut T {
         (**self).linearize_globally(x, out);
     }
 
+    fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
+        (**self).linearization_errors(x, to, out);
+    }
+
     fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
         (**self).update_multipliers(x, direction);
     }

@@ -197,6 +197,10 @@ impl<C: ContactPotential> ContactPotential for Enclosed<C> {
             .for_each(|volume| volume.linearize(x, out));
     }
 
+    fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
+        self.contacts.linearization_errors(x, to, out);
+    }
+
     fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
         self.contacts.update_multipliers(x, direction);
     }

@@ -10,7 +10,7 @@
 //! One cycle is a good direction where nothing touches. In contact it is not: the residual that it leaves is largest
 //! where cloth and contact share the load, and there a small error of the direction runs far into what is near, so that
 //! contact cuts the step. A solve to a tenth costs several cycles, but no contact detection, and the directions that
-//! come out can be followed farther.
+//! come out can be followed farther. What is nearly closed and turns needs more: [`ContactHessian::correct`].
 
 mod global_terms;
 
@@ -39,8 +39,12 @@ pub struct ContactHessian {
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
     for_cycle: Vec<ContactRow>,
-    /// Those of the pairs that are too stiff for a cycle.
+    /// Those of the pairs that are too stiff for a cycle, and their numbers among all contacts.
     stiff: Vec<ContactRow>,
+    stiff_numbers: Vec<usize>,
+    /// Where a direction ends (m), and the errors of linearisation there (m).
+    end: Vec<Vec3>,
+    errors: Vec<Real>,
     global: GlobalTerms,
     multigrid: Option<Multigrid>,
     gradients: TruncatedConjugateGradients,
@@ -57,6 +61,9 @@ impl ContactHessian {
             pairs: Vec::new(),
             for_cycle: Vec::new(),
             stiff: Vec::new(),
+            stiff_numbers: Vec::new(),
+            end: Vec::new(),
+            errors: Vec::new(),
             global: GlobalTerms::default(),
             multigrid: None,
             gradients: TruncatedConjugateGradients::default(),
@@ -102,14 +109,19 @@ impl ContactHessian {
             let largest = self.largest_diagonal();
             let stiffest = MAX_CONTACT_STIFFNESS_RATIO * largest;
             self.add_contacts(contact, x);
-            self.stiff.clear();
-            let is_stiff = |row: &ContactRow| row.stiffness > STIFF * largest;
-            let count = self.pairs.iter().filter(|row| is_stiff(row)).count();
-            if count <= MOST_STIFF {
-                self.stiff
-                    .extend(self.pairs.iter().filter(|row| is_stiff(row)));
+            let is_stiff = |row: &ContactRow| is_pair(row) && row.stiffness > STIFF * largest;
+            let rows = self.rows.iter().enumerate();
+            let numbers = rows.filter(|(_, row)| is_stiff(row)).map(|(n, _)| n);
+            self.stiff_numbers.clear();
+            self.stiff_numbers.extend(numbers);
+            if self.stiff_numbers.len() <= MOST_STIFF {
                 self.pairs.retain(|row| !is_stiff(row));
+            } else {
+                self.stiff_numbers.clear();
             }
+            self.stiff.clear();
+            let stiff = self.stiff_numbers.iter().map(|&number| self.rows[number]);
+            self.stiff.extend(stiff);
             self.for_cycle.clone_from(&self.pairs);
             for row in &mut self.for_cycle {
                 row.stiffness = row.stiffness.min(stiffest);
@@ -141,7 +153,7 @@ impl ContactHessian {
         let blocks = self.matrix.blocks_mut();
         self.pairs.clear();
         for row in &self.rows {
-            if row.weights.iter().filter(|w| **w != 0.0).count() > 1 {
+            if is_pair(row) {
                 self.pairs.push(*row);
                 continue;
             }
@@ -151,6 +163,40 @@ impl ContactHessian {
                 blocks[diagonal] += across * (weight * weight);
             }
         }
+    }
+
+    /// Adds the second-order correction of stiff pairs (R. Fletcher 1982; Nocedal and Wright 2006, section 15.6) to a
+    /// direction `p` (m) from `x` (m), where the contacts were taken, of which `fraction` is to be followed: a pair that
+    /// would end there nearer by e than its linearised motion has it is opened by e, with the least that the matrix
+    /// asks for. Two edges that slide over each other by s and turn come nearer by the order of s², and if they are
+    /// nearly closed contact would cut the path to the first of it, again in each iteration. On the corrected path the
+    /// distance is `d + t J·p + t (1 − t) e`, to the second order. Returns whether there was anything to correct.
+    pub fn correct(
+        &mut self,
+        contact: &dyn ContactPotential,
+        x: &[Vec3],
+        fraction: Real,
+        p: &mut [Vec3],
+    ) -> bool {
+        if self.stiff.is_empty() {
+            return false;
+        }
+        self.end.clear();
+        let ends = x.iter().zip(&*p).map(|(x, p)| x + p * fraction);
+        self.end.extend(ends);
+        self.errors.clear();
+        contact.linearization_errors(x, &self.end, &mut self.errors);
+        // In place: numbers grow, so none is overwritten before it is read.
+        for (to, &from) in self.stiff_numbers.iter().enumerate() {
+            let error = self.errors.get(from).copied().unwrap_or_default();
+            self.errors[to] = (-error).max(0.0);
+        }
+        self.errors.truncate(self.stiff.len());
+        if self.errors.iter().all(|error| *error == 0.0) {
+            return false;
+        }
+        self.global.open(&self.errors, 1.0 / fraction, p);
+        true
     }
 
     /// Writes nearly `H⁻¹ r` (m) to `z` for r (N), by one cycle; nothing before the first [`refresh`](Self::refresh).
@@ -186,4 +232,9 @@ impl ContactHessian {
         };
         self.gradients.solve(end, multiply, inverse, gradient, out)
     }
+}
+
+/// Whether a contact is one between vertices.
+fn is_pair(row: &ContactRow) -> bool {
+    row.weights.iter().filter(|w| **w != 0.0).count() > 1
 }

@@ -8,9 +8,10 @@ use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::method::block_matrix::PatternBuilder;
 use cloth_core::method::contact_hessian::ContactHessian;
 
-/// One vertex on a floor, a vertex before a triangle far away, and a term on all vertices.
+/// Two contacts, a term on all vertices, and by how much (m per m²) a pair comes nearer where its first vertex moves:
+/// nothing for the other one.
 #[derive(Debug)]
-struct Contacts([ContactRow; 2]);
+struct Contacts([ContactRow; 2], Real);
 
 impl ContactPotential for Contacts {
     fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<(), ContactError> {
@@ -36,6 +37,11 @@ impl ContactPotential for Contacts {
 
     fn linearize(&self, _: &[Vec3], out: &mut Vec<ContactRow>) {
         out.extend(self.0);
+    }
+
+    fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
+        let vertex = self.0[1].vertices[0] as usize;
+        out.extend([-1.0, -self.1 * (to[vertex] - x[vertex]).norm_squared()]);
     }
 
     fn linearize_globally(&self, x: &[Vec3], out: &mut GlobalRows) {
@@ -70,7 +76,7 @@ fn solves_with_a_contact_of(stiffest: Real) {
         n * n.transpose() * s.stiffness
     };
     let own = Mat3::from_diagonal_element(2.0);
-    let contacts = Contacts([
+    let rows = [
         ContactRow {
             vertices: [40, 0, 0, 0],
             weights: [1.0, 0.0, 0.0, 0.0],
@@ -83,7 +89,8 @@ fn solves_with_a_contact_of(stiffest: Real) {
             normal: Vec3::new(0.6, 0.0, 0.8),
             stiffness: stiffest,
         },
-    ]);
+    ];
+    let contacts = Contacts(rows, 7.0);
     let mut pattern = PatternBuilder::new(x.len());
     pattern.add(&springs);
     let pattern = pattern.build();
@@ -136,4 +143,23 @@ fn solves_with_a_contact_of(stiffest: Real) {
     // What rounds is the force of the contact, k J·p.
     let rounding = 1e-16 * stiffest;
     assert!(left < 1e-7 + rounding, "{stiffest:e}: {left:e} N");
+
+    // Half of the direction is to be followed, and the pair is to end as far apart as its linearised motion says.
+    let before = p.clone();
+    let is_stiff = stiffest > 6e4;
+    assert_eq!(hessian.correct(&contacts, x, 0.5, &mut p), is_stiff);
+    assert_eq!(p != before, is_stiff);
+    if is_stiff {
+        let row = contacts.0[1];
+        let ends = row.vertices.into_iter().zip(row.weights);
+        let opened = ends.map(|(v, w)| row.normal.dot(&(p[v as usize] - before[v as usize])) * w);
+        let opened = 0.5 * opened.sum::<Real>();
+        let expected = 7.0 * (before[250] * 0.5).norm_squared();
+        let error = (opened / expected - 1.0).abs();
+        assert!(
+            error < 1e-9,
+            "{stiffest:e}: {opened:e} m for {expected:e} m"
+        );
+        assert_eq!(p[0], Vec3::zeros());
+    }
 }

@@ -176,6 +176,15 @@ impl ContactPotential for AtEnd<'_> {
         own.iter_mut().for_each(|row| row.stiffness *= 4.0);
     }
 
+    fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
+        let first = out.len();
+        let shared = self.memory.shared.lock();
+        let [from, end] = &mut *shared.unwrap_or_else(PoisonError::into_inner);
+        self.contact
+            .linearization_errors(self.ends(x, from), self.ends(to, end), out);
+        out[first..].iter_mut().for_each(|error| *error *= 0.5);
+    }
+
     fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
         let [mut ends, mut twice] = std::mem::take(&mut self.memory.ends);
         twice.clear();

@@ -2,6 +2,7 @@
 
 mod extrapolation;
 mod linearized_step;
+mod second_order;
 
 use super::line_search::{self, Point};
 use super::linearized::Linearized;
@@ -269,6 +270,7 @@ impl Minimizer {
     /// - The longest step is what lies within the trust radius, a bound on the displacement of any vertex, and of that
     ///   the fraction free of crossings (CCD). Where the line search has shortened a step the radius becomes twice the
     ///   displacement that was left, and four times as large after a full step to its end.
+    /// - A direction of which less than a tenth is free gets a second-order correction (`second_order`).
     /// - A full step with half of its slope left goes on along its direction (`extrapolation`).
     /// - Once five steps have been cut below a quarter of their directions, directions are to a tenth of the residual
     ///   (conjugate gradients, the Hessian recomputed): what one cycle leaves would run into the next contact.
@@ -352,7 +354,13 @@ impl Minimizer {
             }
             let trusted = contact.is_some().then(|| radius.trust(&self.direction));
             let fraction = trusted.map_or(1.0, |trusted| trusted.fraction);
-            let most = self.longest_step(task, contact, fraction)?;
+            let mut most = self.longest_step(task, contact, fraction)?;
+            let mut is_corrected = false;
+            if most < HALVED_BELOW * fraction
+                && let Some(farther) = self.correct(method, task, contact, fraction, most)?
+            {
+                (most, is_corrected) = (farther, true);
+            }
             if contact.is_some()
                 && most < VERTEX_BY_VERTEX_BELOW * fraction
                 && self.search_vertex_by_vertex(task, contact, fraction, report)?
@@ -393,13 +401,16 @@ impl Minimizer {
                 return Ok(End::Done(Outcome::Converged));
             }
             // What is linearised has the curvature that the matrix says.
-            let is_whole = found.length == 1.0 && task.config.solve != Solve::Linearized;
+            let is_whole =
+                found.length == 1.0 && !is_corrected && task.config.solve != Solve::Linearized;
             let length = match is_whole {
                 true => self.extrapolate(task, contact, slope)?,
                 false => found.length,
             };
             let (from, to) = (&self.current.gradient, &self.next.gradient);
-            method.accumulate(length, &self.direction, from, to);
+            if !is_corrected {
+                method.accumulate(length, &self.direction, from, to);
+            }
             std::mem::swap(&mut self.current, &mut self.next);
             self.notify(observer, report.iterations);
         }

@@ -134,6 +134,18 @@ impl QuasiNewton {
         (self.slope, 0.0, 1)
     }
 
+    /// The second-order correction of a direction (m) from `x` (m) of which `fraction` is to be followed
+    /// ([`ContactHessian::correct`]), if the matrix is that of `x`. Returns whether there was anything to correct.
+    pub(super) fn correct(
+        &mut self,
+        contact: &dyn ContactPotential,
+        x: &[Vec3],
+        fraction: Real,
+        direction: &mut [Vec3],
+    ) -> bool {
+        self.is_fresh() && self.hessian.correct(contact, x, fraction, direction)
+    }
+
     /// Records a step that contact, the trust radius or the line search has shortened to `fraction` of its direction. A
     /// volume that is kept shortens steps by itself, and a better direction does not help there.
     pub(super) fn record_shortening(&mut self, fraction: Real) {

@@ -6,6 +6,11 @@
 
 use crate::contact::{ContactPotential, ContactRow, GlobalRows};
 use crate::math::{Real, Vec3};
+use crate::method::vectors::add;
+
+/// Passes over the stiff contacts in [`GlobalTerms::open`]. As `z` of each has those before it in its matrix, which are
+/// stiff, it hardly changes their distances, and the first pass leaves little.
+const PASSES: u32 = 2;
 
 /// The terms, with `z` of each.
 #[derive(Debug, Default)]
@@ -16,8 +21,9 @@ pub(super) struct GlobalTerms {
     /// `z = P g` of each (m per unit of g), and `1/(1/k + g·z)`.
     solved: Vec<Vec<Vec3>>,
     weights: Vec<Real>,
-    /// g as a list with an entry for every vertex.
+    /// An entry for every vertex: g, and a displacement (m).
     dense: Vec<Vec3>,
+    displacement: Vec<Vec3>,
 }
 
 impl GlobalTerms {
@@ -63,6 +69,25 @@ impl GlobalTerms {
             self.solved[number] = solved;
             self.weights.push(weight);
         }
+    }
+
+    /// Adds to `p` (m) `scale` times a displacement that opens the stiff contacts by `by` (m), in their order: with
+    /// `z` of each, about the smallest one in the norm of the matrix.
+    pub(super) fn open(&mut self, by: &[Real], scale: Real, p: &mut [Vec3]) {
+        self.displacement.clear();
+        self.displacement.resize(p.len(), Vec3::zeros());
+        let first = self.volumes;
+        let contacts = || self.rows.rows()[first..].iter().zip(&self.solved[first..]);
+        for _ in 0..PASSES {
+            for ((row, solved), by) in contacts().zip(by) {
+                let missing = by - row.dot(&self.displacement);
+                let length = missing / row.dot(solved);
+                if length.is_finite() {
+                    add(&mut self.displacement, length, solved);
+                }
+            }
+        }
+        add(p, scale, &self.displacement);
     }
 
     /// Whether a term couples many vertices.
