@@ -199,8 +199,9 @@ impl QuasiNewton {
         Ok(done)
     }
 
-    /// Searches along the direction as far as it is trusted and each vertex may follow it. Returns the length at which
-    /// a lower point was found.
+    /// Searches along the direction as far as it is trusted, with each vertex as far as it alone may follow it, and
+    /// where that leads nowhere, with all vertices as far as the last may: what is left of a direction vertex by vertex
+    /// need not descend. Returns the length at which a lower point was found.
     fn search_in_contact(
         &mut self,
         objective: &mut Objective,
@@ -215,13 +216,23 @@ impl QuasiNewton {
         {
             newton.correct(contact, &point.positions, &mut self.direction);
         }
+        self.work.copy_from_slice(&self.direction);
         self.limit_each(point, contact)?;
         self.slope = dot(&point.gradient, &self.direction);
         let left = longest(&self.direction);
-        let Some(length) = self.search(objective, point, 1.0, contact, done) else {
-            return Ok(None);
+        let found = self.search(objective, point, 1.0, contact, done);
+        let (length, displacement) = match found {
+            Some(length) => (length, length * left),
+            None => {
+                std::mem::swap(&mut self.work, &mut self.direction);
+                self.slope = dot(&point.gradient, &self.direction);
+                let most = self.limit(point, contact)?;
+                match self.search(objective, point, most, contact, done) {
+                    Some(length) => (length, length * tried),
+                    None => return Ok(None),
+                }
+            }
         };
-        let displacement = length * left;
         if let Some(radius) = &mut self.radius {
             if displacement < RADIUS_SHRINK_BELOW * tried {
                 radius.shorten(displacement);
