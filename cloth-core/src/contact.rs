@@ -176,7 +176,7 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
 
     /// Appends to `out`, for each term of [`linearize`](Self::linearize) at `x` and in their order, by how much (m) its
     /// distance at `to` differs from what the term says, `d(to) − d(x) − J·(to − x)`; d is negative where `to` is on
-    /// the other side. A source that does not know appends nothing.
+    /// the other side. A source that knows only the first of them, or none, appends no more.
     fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
         let _ = (x, to, out);
     }

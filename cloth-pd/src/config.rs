@@ -18,7 +18,8 @@ pub struct PdConfig {
     /// A quasi-Newton step from [`StartGuess::Inertial`] that ends above `G(x[0])` is taken again from `x[0]`, with as
     /// many iterations once more.
     pub iterations: Option<u32>,
-    /// Most iterations of a step with `iterations: None`; at least 1.
+    /// Most iterations of a step with `iterations: None`; at least 1. In quasi-Newton steps the second half of them has
+    /// the directions of a truncated Newton method, without contact too.
     pub most_iterations: u32,
     /// A step with `iterations: None` and without a `tolerance` ends, as
     /// [`Converged`](cloth_core::step::Outcome::Converged), once `√(∇Gᵀ B ∇G) ≤ ε ‖x − x̃‖_M/Δt`, B the inverse Hessian

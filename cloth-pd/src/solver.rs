@@ -332,7 +332,11 @@ impl PdSolver {
             Method::Chebyshev(method) => method.begin(),
             Method::QuasiNewton(method) => {
                 let inertial = contact.is_some().then_some(&self.objective.inertial[..]);
-                method.begin(inertial);
+                let before_newton = match self.config.iterations {
+                    Some(_) => u32::MAX,
+                    None => self.config.most_iterations / 2,
+                };
+                method.begin(inertial, before_newton);
             }
         }
         if let Some(coarse) = &mut self.coarse {

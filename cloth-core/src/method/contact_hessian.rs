@@ -166,11 +166,11 @@ impl ContactHessian {
     }
 
     /// Adds the second-order correction of stiff pairs (R. Fletcher 1982; Nocedal and Wright 2006, section 15.6) to a
-    /// direction `p` (m) from `x` (m), where the contacts were taken, of which `fraction` is to be followed: a pair that
-    /// would end there nearer by e than its linearised motion has it is opened by e, with the least that the matrix
-    /// asks for. Two edges that slide over each other by s and turn come nearer by the order of s², and if they are
-    /// nearly closed contact would cut the path to the first of it, again in each iteration. On the corrected path the
-    /// distance is `d + t J·p + t (1 − t) e`, to the second order. Returns whether there was anything to correct.
+    /// direction `p` (m) from `x` (m), where the contacts were taken, of which `fraction` is to be followed: a pair
+    /// that would end there nearer by e than its linearised motion has it is opened by e, with the least that the
+    /// matrix asks for. Two edges that slide over each other by s and turn come nearer by the order of s², and if they
+    /// are nearly closed contact would cut the path to the first of it, again in each iteration. On the corrected path
+    /// the distance is `d + t J·p + t (1 − t) e`, to the second order. Returns whether there was anything to correct.
     pub fn correct(
         &mut self,
         contact: &dyn ContactPotential,
@@ -186,10 +186,11 @@ impl ContactHessian {
         self.end.extend(ends);
         self.errors.clear();
         contact.linearization_errors(x, &self.end, &mut self.errors);
+        // A source need not know all, nor any.
+        self.errors.resize(self.rows.len(), 0.0);
         // In place: numbers grow, so none is overwritten before it is read.
         for (to, &from) in self.stiff_numbers.iter().enumerate() {
-            let error = self.errors.get(from).copied().unwrap_or_default();
-            self.errors[to] = (-error).max(0.0);
+            self.errors[to] = (-self.errors[from]).max(0.0);
         }
         self.errors.truncate(self.stiff.len());
         if self.errors.iter().all(|error| *error == 0.0) {

@@ -8,10 +8,10 @@ use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::method::block_matrix::PatternBuilder;
 use cloth_core::method::contact_hessian::ContactHessian;
 
-/// Two contacts, a term on all vertices, and by how much (m per m²) a pair comes nearer where its first vertex moves:
-/// nothing for the other one.
+/// A vertex on a floor, a pair, one without known errors of linearisation, a term on all vertices, and by how much (m
+/// per m²) the first pair comes nearer where its first vertex moves; if that is 0, no errors are known.
 #[derive(Debug)]
-struct Contacts([ContactRow; 2], Real);
+struct Contacts([ContactRow; 3], Real);
 
 impl ContactPotential for Contacts {
     fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<(), ContactError> {
@@ -41,6 +41,9 @@ impl ContactPotential for Contacts {
 
     fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
         let vertex = self.0[1].vertices[0] as usize;
+        if self.1 == 0.0 {
+            return;
+        }
         out.extend([-1.0, -self.1 * (to[vertex] - x[vertex]).norm_squared()]);
     }
 
@@ -87,6 +90,12 @@ fn solves_with_a_contact_of(stiffest: Real) {
             vertices: [250, 60, 61, 77],
             weights: [1.0, -0.2, -0.3, -0.5],
             normal: Vec3::new(0.6, 0.0, 0.8),
+            stiffness: stiffest,
+        },
+        ContactRow {
+            vertices: [250, 200, 201, 200],
+            weights: [1.0, -0.6, -0.4, 0.0],
+            normal: Vec3::new(0.0, 1.0, 0.0),
             stiffness: stiffest,
         },
     ];
@@ -147,6 +156,7 @@ fn solves_with_a_contact_of(stiffest: Real) {
     // Half of the direction is to be followed, and the pair is to end as far apart as its linearised motion says.
     let before = p.clone();
     let is_stiff = stiffest > 6e4;
+    assert!(!hessian.correct(&Contacts(rows, 0.0), x, 0.5, &mut p));
     assert_eq!(hessian.correct(&contacts, x, 0.5, &mut p), is_stiff);
     assert_eq!(p != before, is_stiff);
     if is_stiff {
