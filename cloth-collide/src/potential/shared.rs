@@ -15,6 +15,13 @@ impl Shared {
     pub(super) fn lock(&self) -> MutexGuard<'_, [Vec<Vec3>; 2]> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    /// The same with the cloth at `x` (m).
+    pub(super) fn at(&self, x: &[Vec3]) -> MutexGuard<'_, [Vec<Vec3>; 2]> {
+        let mut buffers = self.lock();
+        buffers[0][..x.len()].copy_from_slice(x);
+        buffers
+    }
 }
 
 impl Clone for Shared {

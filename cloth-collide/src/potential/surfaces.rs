@@ -492,10 +492,7 @@ impl ContactPotential for PotentialContacts {
         if self.contacts.is_clear_of_surfaces() {
             return self.contacts.add_gradient(x, out);
         }
-        let surfaces = &self.surfaces;
-        let mut shared = surfaces.shared.lock();
-        let [place, gradient] = &mut *shared;
-        place[..x.len()].copy_from_slice(x);
+        let [place, gradient] = &mut *self.surfaces.shared.at(x);
         gradient[..x.len()].copy_from_slice(out);
         let energy = self.contacts.add_gradient(place, gradient);
         out.copy_from_slice(&gradient[..x.len()]);
@@ -506,11 +503,8 @@ impl ContactPotential for PotentialContacts {
         if self.contacts.is_clear_of_surfaces() {
             return self.contacts.linearize(x, out);
         }
-        let surfaces = &self.surfaces;
         let first = out.len();
-        let mut shared = surfaces.shared.lock();
-        shared[0][..x.len()].copy_from_slice(x);
-        self.contacts.linearize(&shared[0], out);
+        self.contacts.linearize(&self.surfaces.shared.at(x)[0], out);
         // Vertices of bodies do not move, and have no part.
         for row in &mut out[first..] {
             let own = row.vertices.into_iter().min().unwrap_or_default();
@@ -523,11 +517,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn linearization_errors(&self, x: &[Vec3], to: &[Vec3], out: &mut Vec<Real>) {
-        if self.contacts.is_clear_of_surfaces() {
-            return self.contacts.linearization_errors(x, to, out);
-        }
-        let [from, end] = &mut *self.surfaces.shared.lock();
-        from[..x.len()].copy_from_slice(x);
+        let [from, end] = &mut *self.surfaces.shared.at(x);
         end.clone_from(from);
         end[..x.len()].copy_from_slice(to);
         self.contacts.linearization_errors(from, end, out);
@@ -535,8 +525,7 @@ impl ContactPotential for PotentialContacts {
 
     fn update_multipliers(&mut self, x: &[Vec3], direction: &[Vec3]) {
         let Self { contacts, surfaces } = self;
-        let [place, motion] = &mut *surfaces.shared.lock();
-        place[..x.len()].copy_from_slice(x);
+        let [place, motion] = &mut *surfaces.shared.at(x);
         motion.fill(Vec3::zeros());
         motion[..x.len()].copy_from_slice(direction);
         contacts.update_multipliers(place, motion);
