@@ -536,8 +536,8 @@
 //!    `G` and ∇G.
 //! 4. `implicit/newton.rs` with `system.rs` (the matrix, kept positive definite) and `line_search.rs` (convergence).
 //! 5. `implicit/minimizer.rs` and `quasi_newton.rs`, around
-//!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `minimizer/extrapolation.rs`:
-//!    longer steps in contact; `progress.rs`: when Newton's method takes over.
+//!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `minimizer/extrapolation.rs`,
+//!    `second_order.rs`: longer steps in contact; `progress.rs`: when Newton's method takes over.
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `air_drag.rs`, `linearized.rs`,
 //!    `minimizer/linearized_step.rs`, `drift.rs`.
 //!

@@ -85,6 +85,7 @@ impl ContactHessian {
     pub fn clear_contacts(&mut self) {
         self.pairs.clear();
         self.for_cycle.clear();
+        self.stiff.clear();
         self.global.clear();
     }
 
