@@ -39,9 +39,8 @@ pub struct ContactHessian {
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
     for_cycle: Vec<ContactRow>,
-    /// Those of the pairs that are too stiff for a cycle, and their numbers among all contacts.
-    stiff: Vec<ContactRow>,
-    stiff_numbers: Vec<usize>,
+    /// The numbers, among all contacts, of the pairs that are too stiff for a cycle.
+    stiff: Vec<usize>,
     /// Where a direction ends (m), and the errors of linearisation there (m).
     end: Vec<Vec3>,
     errors: Vec<Real>,
@@ -61,7 +60,6 @@ impl ContactHessian {
             pairs: Vec::new(),
             for_cycle: Vec::new(),
             stiff: Vec::new(),
-            stiff_numbers: Vec::new(),
             end: Vec::new(),
             errors: Vec::new(),
             global: GlobalTerms::default(),
@@ -113,16 +111,13 @@ impl ContactHessian {
             let is_stiff = |row: &ContactRow| is_pair(row) && row.stiffness > STIFF * largest;
             let rows = self.rows.iter().enumerate();
             let numbers = rows.filter(|(_, row)| is_stiff(row)).map(|(n, _)| n);
-            self.stiff_numbers.clear();
-            self.stiff_numbers.extend(numbers);
-            if self.stiff_numbers.len() <= MOST_STIFF {
+            self.stiff.clear();
+            self.stiff.extend(numbers);
+            if self.stiff.len() <= MOST_STIFF {
                 self.pairs.retain(|row| !is_stiff(row));
             } else {
-                self.stiff_numbers.clear();
+                self.stiff.clear();
             }
-            self.stiff.clear();
-            let stiff = self.stiff_numbers.iter().map(|&number| self.rows[number]);
-            self.stiff.extend(stiff);
             self.for_cycle.clone_from(&self.pairs);
             for row in &mut self.for_cycle {
                 row.stiffness = row.stiffness.min(stiffest);
@@ -134,7 +129,7 @@ impl ContactHessian {
         let _ = multigrid.refresh_with(&self.matrix, &self.for_cycle);
         if let Some(contact) = contact {
             let prior = |r: &[Vec3], z: &mut [Vec3]| multigrid.apply(r, z);
-            let stiff = &self.stiff[..];
+            let stiff = self.stiff.iter().map(|&number| &self.rows[number]);
             self.global.refresh(contact, stiff, x, &self.is_free, prior);
         }
     }
@@ -190,7 +185,7 @@ impl ContactHessian {
         // A source need not know all, nor any.
         self.errors.resize(self.rows.len(), 0.0);
         // In place: numbers grow, so none is overwritten before it is read.
-        for (to, &from) in self.stiff_numbers.iter().enumerate() {
+        for (to, &from) in self.stiff.iter().enumerate() {
             self.errors[to] = (-self.errors[from]).max(0.0);
         }
         self.errors.truncate(self.stiff.len());

@@ -35,10 +35,10 @@ impl GlobalTerms {
     }
 
     /// Takes the terms at `x` (m), with stiff contacts, around `inverse`, which writes `P r` to its second list.
-    pub(super) fn refresh(
+    pub(super) fn refresh<'a>(
         &mut self,
         contact: &dyn ContactPotential,
-        stiff: &[ContactRow],
+        stiff: impl Iterator<Item = &'a ContactRow>,
         x: &[Vec3],
         is_free: &[bool],
         mut inverse: impl FnMut(&[Vec3], &mut [Vec3]),
