@@ -4,24 +4,116 @@
 //! minimisation takes long to lower. If all vertices were stopped together, one that touches would take the velocity of
 //! the whole sheet. In between, the displacement fades towards what is stopped, no faster than a strain allows.
 //!
+//! A piece that flies has all of its displacement in common, but for a little. Its folds may be in contact with each
+//! other, and what is stopped by that must not be left behind in space: so the common part comes first, for the whole
+//! piece, and only what is left is truncated.
+//!
 //! H. Zhao, "A fast sweeping method for eikonal equations", Mathematics of Computation 74, 2005.
 
 use super::{ContactError, ContactPotential, ContactStep};
 use crate::math::{Real, Vec3};
+use crate::topology::DisjointSets;
 
 /// Strain of an edge that a truncation may make (dimensionless).
 const STRAIN: Real = 0.03;
+/// A piece flies if the squares of its displacements without their mean come to less than this fraction of themselves,
+/// and those of its prescribed vertices, each by itself, to less than this fraction of that of the mean.
+const BESIDES: Real = 0.05;
 
 /// The truncation, and its memory.
 #[derive(Clone, Debug, Default)]
 pub struct FadingTruncation {
     fractions: Vec<Real>,
     whole: Vec<Vec3>,
+    pieces: Pieces,
+}
+
+/// The connected parts of the cloth, each by one of its vertices, and their motions.
+#[derive(Clone, Debug, Default)]
+struct Pieces {
+    roots: Vec<u32>,
+    flights: Vec<Flight>,
+}
+
+/// How a piece moves in a step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Flight {
+    count: Real,
+    /// Sum of the displacements (m), and of their squares (m²).
+    sum: Vec3,
+    squares: Real,
+    is_stopped: bool,
+}
+
+impl Flight {
+    fn mean(&self) -> Vec3 {
+        self.sum / self.count
+    }
+}
+
+impl Pieces {
+    /// Finds the pieces, if there are not as many vertices as there were.
+    fn find<N: IntoIterator<Item = usize>>(
+        &mut self,
+        count: usize,
+        neighbours: impl Fn(usize) -> N,
+    ) {
+        if self.roots.len() == count {
+            return;
+        }
+        let mut sets = DisjointSets::new(count);
+        for v in 0..count {
+            for u in neighbours(v) {
+                sets.join(v as u32, u as u32);
+            }
+        }
+        self.roots.clear();
+        self.roots.extend((0..count as u32).map(|v| sets.root(v)));
+    }
+
+    /// Finds how the pieces move in a step that would end at `to` (m).
+    fn fly(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
+        self.flights.clear();
+        self.flights.resize(self.roots.len(), Flight::default());
+        let displacements = || step.from.iter().zip(to).map(|(from, to)| to - from);
+        for (root, displacement) in self.roots.iter().zip(displacements()) {
+            let flight = &mut self.flights[*root as usize];
+            flight.count += 1.0;
+            flight.sum += displacement;
+            flight.squares += displacement.norm_squared();
+        }
+        let prescribed = self
+            .roots
+            .iter()
+            .zip(step.inverse_mass)
+            .zip(displacements());
+        for ((root, _), displacement) in prescribed.filter(|((_, w), _)| **w == 0.0) {
+            let flight = &mut self.flights[*root as usize];
+            let mean = flight.mean();
+            flight.is_stopped |=
+                (displacement - mean).norm_squared() > BESIDES * mean.norm_squared();
+        }
+        for flight in self.flights.iter_mut().filter(|flight| flight.count > 0.0) {
+            let common = flight.count * flight.mean().norm_squared();
+            flight.is_stopped |= flight.squares - common > BESIDES * flight.squares;
+        }
+    }
+
+    /// What the displacement (m) of a vertex has in common with those of its piece, if that flies.
+    fn common(&self, vertex: usize) -> Vec3 {
+        let flight = &self.flights[self.roots[vertex] as usize];
+        match flight.is_stopped {
+            true => Vec3::zeros(),
+            false => flight.mean(),
+        }
+    }
 }
 
 impl FadingTruncation {
     /// Begins a step with contact, and truncates the path to where its iteration starts (m), which each prescribed
-    /// vertex reaches. `feasible` becomes the positions (m) free of crossings from where that was done.
+    /// vertex reaches. `feasible` becomes the positions (m) free of crossings from where that was done: those at the
+    /// start of the step, or where pieces that fly have gone by then. `neighbours(v)` are those of
+    /// vertex v; of two neighbours it is enough if one has the other.
     ///
     /// # Errors
     /// Those of [`ContactPotential::begin`] and [`ContactPotential::limit_each`].
@@ -33,10 +125,12 @@ impl FadingTruncation {
         start: &mut [Vec3],
         neighbours: impl Fn(usize) -> N,
     ) -> Result<(), ContactError> {
+        self.pieces.find(start.len(), &neighbours);
+        self.pieces.fly(step, start);
         for (v, x) in feasible.iter_mut().enumerate() {
             *x = match step.inverse_mass[v] == 0.0 {
                 true => start[v],
-                false => step.from[v],
+                false => step.from[v] + self.pieces.common(v),
             };
         }
         contact.begin(step, feasible)?;
@@ -59,7 +153,9 @@ impl FadingTruncation {
         to: &mut [Vec3],
         neighbours: impl Fn(usize) -> N,
     ) -> Result<(), ContactError> {
-        let Self { fractions, whole } = self;
+        let Self {
+            fractions, whole, ..
+        } = self;
         fractions.resize(from.len(), 1.0);
         whole.clear();
         whole.extend_from_slice(to);
