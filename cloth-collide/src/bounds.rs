@@ -52,6 +52,13 @@ impl Bounds {
             .norm_squared()
     }
 
+    /// The gap (m) along the axis where it is widest; negative if the boxes overlap.
+    #[inline]
+    pub(crate) fn axis_gap(&self, other: &Self) -> Real {
+        let gaps = [self.lower - other.upper, other.lower - self.upper];
+        gaps[0].max().max(gaps[1].max())
+    }
+
     /// The box moved outwards by `margin` (m) on each side, and by so much more that rounding takes nothing away.
     pub(crate) fn inflated(&self, margin: Real) -> Self {
         let margin = Vec3::repeat(margin);

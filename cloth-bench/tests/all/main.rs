@@ -22,6 +22,7 @@ mod events;
 mod exact_runs;
 mod exclude;
 mod export;
+mod flights;
 mod forces;
 mod hard_constraints;
 mod hash;

@@ -225,7 +225,8 @@ impl NearPairs {
             let Pair { kind, vertices } = found.pair;
             let places = gather(x, vertices);
             let reach = found.range + nearer;
-            let apart = boxes_gap(&places, kind.split());
+            let (one, other) = places.split_at(kind.split());
+            let apart = Bounds::of(one).axis_gap(&Bounds::of(other));
             if apart > reach {
                 return apart - found.range;
             }
@@ -296,15 +297,6 @@ impl NearPairs {
             }
         }
     }
-}
-
-/// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around
-/// the others; not positive if they overlap.
-#[inline(always)]
-fn boxes_gap(x: &[Vec3; 4], split: usize) -> Real {
-    let (a, b) = (Bounds::of(&x[..split]), Bounds::of(&x[split..]));
-    let gaps = [a.lower - b.upper, b.lower - a.upper];
-    gaps[0].max().max(gaps[1].max())
 }
 
 #[cfg(test)]

@@ -76,9 +76,11 @@
 //! is asked after them (`allowed`).
 //!
 //! Which patches are near each other is found by a broad phase from their boxes, moved outwards by l + h/2. Here l is
-//! the mean edge, or twice the longest displacement of the path if that is more; displacements are relative to the mean
-//! motion. The answer is good while no vertex has gone farther than l. A bound on that is the sum of the longest
-//! displacements of all motions since; only where it exceeds l is it measured for each vertex (`has_strayed`).
+//! 0.3 mean edges, or twice the longest displacement of the path if that is more; displacements are relative to the
+//! mean motion. The answer is good while no vertex has gone farther than l. A bound on that is the sum of the longest
+//! displacements of all motions since; only where it exceeds l is it measured for each vertex (`has_strayed`). Bodies
+//! have an l of their own: before a cloth that falls they go as fast as it does, while its own parts keep together. If
+//! they are farther away than that, it is as much as leaves none of them near.
 
 mod between;
 mod detect;
@@ -118,6 +120,8 @@ const CROWDED: Real = 8.0;
 /// most.
 const REACH: Real = 0.3;
 const FARTHEST: Real = 30.0;
+/// Fraction of their distance that bodies may come nearer, at least, before that.
+const FURTHER: Real = 0.9;
 
 /// Two primitives that can touch.
 #[derive(Clone, Copy, Debug)]
@@ -146,10 +150,10 @@ pub(super) struct Patches {
     /// Triangles and vertices of each patch.
     members: Vec<(Vec<u32>, Vec<u32>)>,
     edge: Real,
-    /// How far (m) a vertex may go relative to the mean motion, until pairs of patches are searched anew; how far one
-    /// has gone, at most; and where all were at the last search (m).
-    reach: Real,
-    strayed: Real,
+    /// How far (m) a vertex of the cloth may go relative to the mean motion, and one of a body, until pairs of patches
+    /// are searched anew; how far one has gone, at most; and where all were at the last search (m).
+    reach: [Real; 2],
+    strayed: [Real; 2],
     searched: Vec<Vec3>,
     /// Groups of vertices of all patches, and where those of each begin.
     groups: Vec<Group>,
@@ -268,7 +272,7 @@ impl Patches {
         if self.has_asked || !self.is_known {
             return None;
         }
-        let known = self.reach - self.strayed;
+        let known = (self.reach[0] - self.strayed[0]).min(self.reach[1] - self.strayed[1]);
         let left = self.left.iter().copied().fold(Real::INFINITY, Real::min);
         Some(0.5 * left.min(known))
     }
@@ -305,13 +309,15 @@ impl Patches {
             self.allowed.fill(Real::NEG_INFINITY);
         }
         if !self.is_known || self.has_strayed(near, x, 0.0) {
-            let displacement = self.longest_stray();
-            if displacement > FARTHEST * self.edge {
+            let too_far = FARTHEST * self.edge;
+            let [own, bodies] = self.longest_strays();
+            if own <= too_far {
+                self.search(near, x, 0.0);
+            }
+            if own > too_far || bodies > too_far && self.has_bodies_near() {
                 self.is_known = false;
                 return false;
             }
-            self.reach = (2.0 * displacement).max(REACH * self.edge);
-            self.search(near, x);
         }
         let margin = DETECTION_MARGIN * near.law.range();
         let mut queries = std::mem::take(&mut self.queries);
@@ -344,12 +350,34 @@ impl Patches {
         true
     }
 
-    /// Finds the pairs of patches that are near each other now.
-    fn search(&mut self, near: &Near, x: &[Vec3]) {
+    /// Whether one of the patches that are near each other is that of a body.
+    fn has_bodies_near(&self) -> bool {
+        let cloth = self.cloth as u32;
+        self.ids.iter().any(|[_, other]| *other >= cloth)
+    }
+
+    /// Finds the pairs of patches that are near each other now, for the motion at hand with all within `margin` (m) of
+    /// its end, and more.
+    fn search(&mut self, near: &Near, x: &[Vec3], margin: Real) {
         self.searches += 1;
-        let reach = self.reach + 0.5 * near.law.range();
         for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
-            *bounds = Bounds::of_vertices(vertices, x).inflated(reach);
+            *bounds = Bounds::of_vertices(vertices, x);
+        }
+        let h = near.law.range();
+        let least = REACH * self.edge;
+        self.reach = self
+            .longest_strays()
+            .map(|stray| (2.0 * (stray + margin)).max(least));
+        let (own, bodies) = self.boxes.split_at_mut(self.cloth);
+        let around = |boxes: &[Bounds]| boxes.iter().copied().reduce(|a, b| a.joined(&b));
+        if let (Some(own), Some(bodies)) = (around(own), around(bodies)) {
+            let apart = own.axis_gap(&bodies) - h - self.reach[0];
+            self.reach[1] = self.reach[1].max(FURTHER * apart);
+        }
+        for (boxes, reach) in [own, bodies].into_iter().zip(self.reach) {
+            for bounds in boxes {
+                *bounds = bounds.inflated(reach + 0.5 * h);
+            }
         }
         self.broad_phase.overlapping(&self.boxes, &mut self.ids);
         let own = (0..self.members.len() as u32).map(|p| [p, p]);
@@ -360,7 +388,7 @@ impl Patches {
         self.ids.sort_unstable();
         self.share = (CROWDED * self.members.len() as Real / self.ids.len() as Real).min(1.0);
         x.clone_into(&mut self.searched);
-        self.strayed = 0.0;
+        self.strayed = [0.0; 2];
         std::mem::swap(&mut self.pairs, &mut self.before);
         let mut left = std::mem::take(&mut self.allowed);
         left.clear();

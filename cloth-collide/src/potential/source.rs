@@ -159,9 +159,14 @@ impl ContactPotential for Contacts {
         self.prepare(step.from, goal, false)?;
         self.freeze_friction(step);
         if is_still {
-            // A part of the way would press what touches; so it is all of it, or nothing.
-            let is_safe = self.safe_fraction(step.from, &wanted) == 1.0;
-            start.copy_from_slice(if is_safe { &wanted } else { step.from });
+            let fraction = self.safe_fraction(step.from, &wanted);
+            for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
+                *x = if fraction < 1.0 {
+                    from + (to - from) * fraction
+                } else {
+                    *to
+                };
+            }
         }
         self.wanted = wanted;
         self.prepare(start, start, false)

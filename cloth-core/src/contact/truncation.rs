@@ -32,6 +32,8 @@ pub struct FadingTruncation {
 #[derive(Clone, Debug, Default)]
 struct Pieces {
     roots: Vec<u32>,
+    /// Whether all fly together, as one piece with the number 0.
+    are_one: bool,
     flights: Vec<Flight>,
 }
 
@@ -43,6 +45,7 @@ struct Flight {
     sum: Vec3,
     squares: Real,
     is_stopped: bool,
+    is_held: bool,
 }
 
 impl Flight {
@@ -71,38 +74,54 @@ impl Pieces {
         self.roots.extend((0..count as u32).map(|v| sets.root(v)));
     }
 
-    /// Finds how the pieces move in a step that would end at `to` (m).
+    /// Finds how the pieces move in a step that would end at `to` (m): together, or else each by itself.
     fn fly(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
-        self.flights.clear();
-        self.flights.resize(self.roots.len(), Flight::default());
+        self.are_one = true;
+        self.measure(step, to);
+        if self.flights.first().is_some_and(|all| all.is_stopped) {
+            self.are_one = false;
+            self.measure(step, to);
+        }
+    }
+
+    fn measure(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
+        let mut flights = std::mem::take(&mut self.flights);
+        flights.clear();
+        flights.resize(self.roots.len(), Flight::default());
         let displacements = || step.from.iter().zip(to).map(|(from, to)| to - from);
-        for (root, displacement) in self.roots.iter().zip(displacements()) {
-            let flight = &mut self.flights[*root as usize];
+        for (vertex, displacement) in displacements().enumerate() {
+            let flight = &mut flights[self.number(vertex)];
             flight.count += 1.0;
             flight.sum += displacement;
             flight.squares += displacement.norm_squared();
         }
-        let prescribed = self
-            .roots
-            .iter()
-            .zip(step.inverse_mass)
-            .zip(displacements());
-        for ((root, _), displacement) in prescribed.filter(|((_, w), _)| **w == 0.0) {
-            let flight = &mut self.flights[*root as usize];
+        let all = displacements().zip(step.inverse_mass).enumerate();
+        for (vertex, (displacement, _)) in all.filter(|(_, (_, w))| **w == 0.0) {
+            let flight = &mut flights[self.number(vertex)];
             let mean = flight.mean();
-            flight.is_stopped |=
-                (displacement - mean).norm_squared() > BESIDES * mean.norm_squared();
+            let besides = (displacement - mean).norm_squared();
+            flight.is_held = true;
+            flight.is_stopped |= besides > BESIDES * mean.norm_squared();
         }
-        for flight in self.flights.iter_mut().filter(|flight| flight.count > 0.0) {
+        for flight in flights.iter_mut().filter(|flight| flight.count > 0.0) {
             let common = flight.count * flight.mean().norm_squared();
             flight.is_stopped |= flight.squares - common > BESIDES * flight.squares;
         }
+        self.flights = flights;
     }
 
-    /// What the displacement (m) of a vertex has in common with those of its piece, if that flies.
-    fn common(&self, vertex: usize) -> Vec3 {
-        let flight = &self.flights[self.roots[vertex] as usize];
-        match flight.is_stopped {
+    fn number(&self, vertex: usize) -> usize {
+        match self.are_one {
+            true => 0,
+            false => self.roots[vertex] as usize,
+        }
+    }
+
+    /// What the displacement (m) of a vertex has in common with those of its piece, if that flies: one that `is_held`
+    /// by prescribed vertices, or one that is not.
+    fn common(&self, vertex: usize, is_held: bool) -> Vec3 {
+        let flight = &self.flights[self.number(vertex)];
+        match flight.is_stopped || flight.is_held != is_held {
             true => Vec3::zeros(),
             false => flight.mean(),
         }
@@ -112,7 +131,8 @@ impl Pieces {
 impl FadingTruncation {
     /// Begins a step with contact, and truncates the path to where its iteration starts (m), which each prescribed
     /// vertex reaches. `feasible` becomes the positions (m) free of crossings from where that was done: those at the
-    /// start of the step, or where pieces that fly have gone by then. `neighbours(v)` are those of
+    /// start of the step, or where pieces that fly have gone by then: with their prescribed vertices, or if nothing is in
+    /// the way of any. `neighbours(v)` are those of
     /// vertex v; of two neighbours it is enough if one has the other.
     ///
     /// # Errors
@@ -130,11 +150,29 @@ impl FadingTruncation {
         for (v, x) in feasible.iter_mut().enumerate() {
             *x = match step.inverse_mass[v] == 0.0 {
                 true => start[v],
-                false => step.from[v] + self.pieces.common(v),
+                false => step.from[v] + self.pieces.common(v, true),
             };
         }
         contact.begin(step, feasible)?;
+        self.fly(contact, feasible)?;
         self.limit(contact, feasible, start, neighbours)
+    }
+
+    /// Takes the pieces that fly by themselves to where they go (m), if nothing is in the way. As far as something is
+    /// would not do: it would press what touches.
+    fn fly(
+        &mut self,
+        contact: &mut dyn ContactPotential,
+        feasible: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        let Self { whole, pieces, .. } = self;
+        whole.clear();
+        let places = feasible.iter().enumerate();
+        whole.extend(places.map(|(v, x)| x + pieces.common(v, false)));
+        if *feasible != whole[..] && contact.limit(feasible, whole)? == 1.0 {
+            feasible.copy_from_slice(whole);
+        }
+        Ok(())
     }
 
     /// Truncates the displacements of vertices on their straight paths from `from` to `to` (m) until all paths

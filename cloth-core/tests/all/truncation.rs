@@ -77,3 +77,109 @@ fn a_displacement_fades_by_three_percent_of_the_distance() {
         .unwrap();
     assert_eq!((contact.0, near), (3, whole));
 }
+
+/// Records from where a step goes, and which paths are asked about; all of them are free if `is_free`.
+#[derive(Debug, Default)]
+struct Recorder {
+    is_free: bool,
+    begun: Vec<Vec3>,
+    from: Vec<Vec3>,
+}
+
+impl ContactPotential for Recorder {
+    fn begin(&mut self, _: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
+        self.begun = start.to_vec();
+        Ok(())
+    }
+
+    fn limit(&mut self, _: &[Vec3], _: &[Vec3]) -> Result<Real, ContactError> {
+        Ok(if self.is_free { 1.0 } else { 0.9 })
+    }
+
+    fn limit_each(
+        &mut self,
+        from: &[Vec3],
+        _: &mut [Vec3],
+        fractions: &mut [Real],
+    ) -> Result<(), ContactError> {
+        self.from = from.to_vec();
+        fractions.fill(1.0);
+        Ok(())
+    }
+
+    fn add_gradient(&self, _: &[Vec3], _: &mut [Vec3]) -> Real {
+        0.0
+    }
+
+    fn linearize(&self, _: &[Vec3], _: &mut Vec<ContactRow>) {}
+
+    fn end(&mut self, _: &[Vec3], _: &[Vec3]) {}
+}
+
+/// Four pieces of three vertices: one flies, one flies with a prescribed vertex, one is torn in two directions, and one
+/// flies while its prescribed vertex stays. Then all of them together.
+#[test]
+fn a_piece_that_flies_goes_as_a_whole_first() {
+    let from: Vec<Vec3> = (0..12).map(|v| Vec3::new(f64::from(v), 0.0, 0.0)).collect();
+    let neighbours = |v: usize| (v % 3 < 2).then_some(v + 1).into_iter();
+    let mut inverse_mass = [1.0; 12];
+    (inverse_mass[3], inverse_mass[9]) = (0.0, 0.0);
+    let step = ContactStep {
+        from: &from,
+        inverse_mass: &inverse_mass,
+        dt: 0.01,
+    };
+    let mut displacements = [
+        [1.0, 1.1, 0.9],
+        [2.0, 2.1, 2.2],
+        [1.0, -2.0, 1.5],
+        [0.0, 3.0, 3.0],
+    ];
+    let places = |of: &[[Real; 3]; 4]| -> Vec<Vec3> {
+        let all = from.iter().zip(of.as_flattened());
+        all.map(|(x, z)| x + Vec3::new(0.0, 0.0, *z)).collect()
+    };
+    let mut truncation = FadingTruncation::default();
+    let mut begin = |is_free: bool, displacements: &[[Real; 3]; 4]| {
+        let mut contact = Recorder {
+            is_free,
+            ..Recorder::default()
+        };
+        let (mut feasible, mut start) = (from.clone(), places(displacements));
+        let found = truncation.begin(&mut contact, &step, &mut feasible, &mut start, neighbours);
+        found.unwrap();
+        assert_eq!(start, places(displacements));
+        assert_eq!(contact.from, feasible);
+        [contact.begun, feasible]
+    };
+    let are = |x: &[Vec3], displacements: [[Real; 3]; 4]| {
+        let places = places(&displacements);
+        let error = x.iter().zip(&places).map(|(a, b)| (a - b).norm());
+        let error = error.fold(0.0, Real::max);
+        assert!(error < 1e-14, "{x:?} for {places:?}");
+    };
+    for is_free in [true, false] {
+        let [begun, feasible] = begin(is_free, &displacements);
+        // A prescribed vertex is where it will end, and takes the others of its piece along.
+        let flown = if is_free { 1.0 } else { 0.0 };
+        are(&begun, [[0.0; 3], [2.0, 2.1, 2.1], [0.0; 3], [0.0; 3]]);
+        are(&feasible, [[flown; 3], [2.0, 2.1, 2.1], [0.0; 3], [0.0; 3]]);
+    }
+    // All together, and by the motion that they have together.
+    for piece in &mut displacements {
+        *piece = piece.map(|z| 20.0 + 0.1 * z);
+    }
+    let mean = displacements.as_flattened().iter().sum::<Real>() / 12.0;
+    let [held, other] = [3, 9].map(|v| displacements[v / 3][v % 3]);
+    let whole = [
+        [mean; 3],
+        [held, mean, mean],
+        [mean; 3],
+        [other, mean, mean],
+    ];
+    for is_free in [true, false] {
+        let [begun, feasible] = begin(is_free, &displacements);
+        are(&begun, whole);
+        are(&feasible, whole);
+    }
+}

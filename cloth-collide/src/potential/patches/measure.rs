@@ -227,7 +227,9 @@ impl Patches {
             self.pairs[k].travel += change;
             self.left[k] -= change;
         }
-        self.strayed += self.longest_stray();
+        let strays = self.longest_strays();
+        let all = self.strayed.iter_mut().zip(strays);
+        all.for_each(|(strayed, stray)| *strayed += stray);
         std::mem::swap(&mut self.now, &mut self.then);
         for &p in &self.moving {
             self.is_settled[p as usize] = false;
@@ -249,7 +251,9 @@ impl Patches {
     /// Whether the motion at hand, with all within `margin` (m) of its end, may go farther than pairs of patches were
     /// searched for.
     pub(super) fn goes_too_far(&self, margin: Real) -> bool {
-        self.strayed + self.longest_stray() + margin > self.reach
+        let strays = self.longest_strays();
+        let mut all = self.strayed.iter().zip(strays).zip(self.reach);
+        all.any(|((strayed, stray), reach)| strayed + stray + margin > reach)
     }
 
     /// The same where the motion begins at `x` (m), by how far each vertex is from where it was at that search.
@@ -257,15 +261,21 @@ impl Patches {
         if !self.goes_too_far(margin) {
             return false;
         }
-        let shift = mean(near.own(x)) - mean(near.own(&self.searched));
-        self.strayed = bounds::farthest(&self.searched, x, shift);
+        let (was, is) = (self.searched.split_at(near.cloth), x.split_at(near.cloth));
+        let shift = mean(is.0) - mean(was.0);
+        let far = |was, is| bounds::farthest(was, is, shift);
+        self.strayed = [far(was.0, is.0), far(was.1, is.1)];
         self.goes_too_far(margin)
     }
 
-    /// How far (m) a vertex goes in the motion at hand, at most, relative to the mean motion.
-    pub(super) fn longest_stray(&self) -> Real {
-        let strays = self.motions.iter().map(|motion| motion.stray);
-        strays.fold(0.0, Real::max)
+    /// How far (m) a vertex of the cloth goes in the motion at hand, at most, relative to the mean motion, and one of a
+    /// body.
+    pub(super) fn longest_strays(&self) -> [Real; 2] {
+        let (own, bodies) = self.motions.split_at(self.cloth);
+        [own, bodies].map(|motions| {
+            let strays = motions.iter().map(|motion| motion.stray);
+            strays.fold(0.0, Real::max)
+        })
     }
 
     /// The bound on what two patches, of the pair `k`, have moved relative to each other (m) since their pairs of

@@ -2,7 +2,7 @@
 
 use super::detect::PatchQuery;
 use super::measure::{change_for, nearer_by};
-use super::{NearPair, Patches, REACH};
+use super::{NearPair, Patches};
 use crate::potential::near::Near;
 use cloth_core::math::{Real, Vec3};
 
@@ -28,9 +28,7 @@ impl Patches {
         }
         self.measure(to, true);
         if !self.is_known || self.has_strayed(near, x, margin) {
-            let displacement = self.longest_stray() + margin;
-            self.reach = (2.0 * displacement).max(REACH * self.edge);
-            self.search(near, x);
+            self.search(near, x, margin);
         }
         let range = near.law.range();
         let mut queries = std::mem::take(&mut self.queries);
