@@ -228,8 +228,8 @@
 //! ```
 //! (`limited_memory.rs` takes all inner products in one pass over the pairs, after Byrd et al. 1994.) One step:
 //! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact detection begins. The displacement to the
-//!    start is truncated where it meets something, and the truncation fades with distance
-//!    ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
+//!    start, less what a piece that flies has in common, is truncated where it meets something, and the truncation
+//!    fades with distance ([`FadingTruncation`](cloth_core::contact::FadingTruncation)).
 //! 2. Connected components that nothing holds are shifted to where their momentum takes them. With contacts in the
 //!    input all are shifted by one vector, and only if no vertex is held, the cloth touches nothing but itself, the
 //!    path of the shift is free of crossings, and G falls.

@@ -31,9 +31,10 @@ impl PdSolver {
         self.point.is_evaluated = false;
     }
 
-    /// Begins contact, and truncates the displacement to the start where it is not free of crossings; around what is
-    /// stopped too, by less the further away it is ([`FadingTruncation`](cloth_core::contact::FadingTruncation)), so
-    /// that what is stopped hardly strains what flies on.
+    /// Begins contact, and truncates the displacement to the start, less what a piece that flies has in common, where
+    /// it is not free of crossings; around what is stopped too, by less the further away it is
+    /// ([`FadingTruncation`](cloth_core::contact::FadingTruncation)), so that what is stopped hardly strains what flies
+    /// on.
     pub(super) fn begin_contact(
         &mut self,
         state: &State,
