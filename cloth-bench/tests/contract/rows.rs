@@ -9,7 +9,7 @@ use cloth_core::contact::{ContactError, ContactSource};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{gravitational_energy, kinetic_energy};
 use cloth_core::mesh::TriMesh;
-use cloth_core::mesh::generate::{Diagonals, grid, irregular};
+use cloth_core::mesh::generate::{Diagonals, grid, irregular, sphere};
 use cloth_core::particles::State;
 use cloth_core::step::{StepError, StepInput, Stepper};
 use cloth_massspring::{ExplicitConfig, SymplecticEuler};
@@ -228,16 +228,30 @@ fn sheet_sticks_to_a_sheet() {
     assert!((ways[7] - ways[0]).abs() < 1e-12, "{ways:?}");
 }
 
-/// Sheets that fall freely are not looked at: after the first step one pass over the positions tells in every substep
-/// that nothing is near. Of one that spins some patches are looked into, and no pair of primitives.
+/// Sheets that fall freely, onto a floor or a ball with triangles, are not looked at: after the first step one pass over
+/// the positions tells in every substep that nothing is near. Of one that spins some patches are looked into, and no pair
+/// of primitives.
 #[test]
 fn free_fall_is_hardly_looked_at() {
     let flat = grid(33, 33, 1.0, 1.0, Diagonals::Alternating).unwrap();
     let rough = irregular(33, 1.0, 1.0, 5).unwrap();
-    for (mesh, spin, least) in [(&flat, 0.0, 100), (&rough, 0.0, 100), (&flat, 1.0, 1)] {
+    let ball = || {
+        let builder = PotentialContacts::builder(&flat).thickness(THICKNESS);
+        let obstacle = Obstacle::new(Sphere::new(0.3).unwrap());
+        let builder = builder.obstacle(obstacle, 0.3);
+        builder
+            .surface(0, sphere(12, 0.3).unwrap())
+            .build()
+            .unwrap()
+    };
+    for (mesh, spin, mut contacts, least) in [
+        (&flat, 0.0, contacts(&flat, Some(floor()), 0.3), 100),
+        (&rough, 0.0, contacts(&rough, Some(floor()), 0.3), 100),
+        (&flat, 1.0, contacts(&flat, Some(floor()), 0.3), 1),
+        (&flat, 0.0, ball(), 100),
+    ] {
         let model = model(mesh);
         let mut stepper = xpbd(&model, 100);
-        let mut contacts = contacts(mesh, Some(floor()), 0.3);
         let mut state = lifted(mesh, 20.0);
         for (v, x) in state.velocities.iter_mut().zip(mesh.positions()) {
             *v = Vec3::new(3.0, 0.0, spin * (x.x - 0.5));

@@ -385,7 +385,7 @@ impl Contacts {
         }
         if constraints.lists.is_empty() && constraints.bodies.len() == 0 {
             let patches = constraints.patches.as_ref();
-            let relative = patches.map_or(Some(Real::INFINITY), Patches::margin);
+            let relative = patches.map_or(Some([Real::INFINITY; 2]), Patches::margins);
             let whole = constraints.bodies.margin(&substep, x);
             // A body that nothing holds may start to move in the next substep.
             let is_alone = self.free.list.is_empty();

@@ -11,8 +11,9 @@ const SAMPLES: usize = 16;
 pub(super) struct CulledSubsteps {
     /// Positions (m); none while something may be near.
     place: Vec<Vec3>,
-    /// How far (m) a vertex may go relative to the mean motion, and how far at all.
-    relative: Real,
+    /// How far (m) a vertex may go relative to the mean motion before the cloth touches itself; how far that and the
+    /// mean motion may go, each, before it touches triangles of a body that rests; and how far a vertex may go at all.
+    relative: [Real; 2],
     whole: Real,
     /// Whether the present substep began with nothing near.
     pub(super) is_on: bool,
@@ -20,7 +21,7 @@ pub(super) struct CulledSubsteps {
 
 impl CulledSubsteps {
     /// Nothing is near the cloth at `x` (m) as long as no vertex goes further than that (m).
-    pub(super) fn begin(&mut self, x: &[Vec3], relative: Real, whole: Real) {
+    pub(super) fn begin(&mut self, x: &[Vec3], relative: [Real; 2], whole: Real) {
         x.clone_into(&mut self.place);
         (self.relative, self.whole) = (relative, whole);
     }
@@ -44,12 +45,13 @@ impl CulledSubsteps {
         let samples = x.iter().zip(place).step_by(every);
         let shift = samples.map(|(x, place)| x - place).sum::<Vec3>();
         let shift = shift / place.len().div_ceil(every) as Real;
-        let most = self.relative.min(self.whole - shift.norm());
-        let most = (most / Real::sqrt(3.0)).min(Real::MAX);
+        let [own, bodies] = self.relative;
         // Relative to the mean motion, what rests moves the other way.
-        if moving < self.place.len() && shift.amax() > most {
+        if moving < self.place.len() && shift.norm() > bodies {
             return false;
         }
+        let most = own.min(bodies).min(self.whole - shift.norm());
+        let most = (most / Real::sqrt(3.0)).min(Real::MAX);
         wide(|| all_within(x, place, shift, most))
     }
 }

@@ -266,15 +266,19 @@ impl Patches {
         self.accept();
     }
 
-    /// How far (m) every vertex may go from where it is now, relative to the mean motion, while nothing comes near;
-    /// nothing if something has just been asked.
-    pub(super) fn margin(&self) -> Option<Real> {
+    /// How far (m) every vertex may go from where it is now, relative to the mean motion, while nothing of the cloth comes
+    /// near the cloth; and how far that and the mean motion may go, each, while it comes near no body that rests.
+    /// Nothing if something has just been asked.
+    pub(super) fn margins(&self) -> Option<[Real; 2]> {
         if self.has_asked || !self.is_known {
             return None;
         }
-        let known = (self.reach[0] - self.strayed[0]).min(self.reach[1] - self.strayed[1]);
-        let left = self.left.iter().copied().fold(Real::INFINITY, Real::min);
-        Some(0.5 * left.min(known))
+        let mut margins = [0, 1].map(|of| self.reach[of] - self.strayed[of]);
+        for ([_, other], left) in self.ids.iter().zip(&self.left) {
+            let margin = &mut margins[usize::from(*other as usize >= self.cloth)];
+            *margin = margin.min(*left);
+        }
+        Some(margins.map(|margin| 0.5 * margin))
     }
 
     /// Whether a pair has a constraint of this substep, or of the one before.
