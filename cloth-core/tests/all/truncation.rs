@@ -5,17 +5,25 @@ use cloth_core::contact::{
 };
 use cloth_core::math::{Real, Vec3};
 
-/// Stops vertex 10 at half of its path, and counts how often it was asked.
-#[derive(Debug)]
-struct Stop(u32);
+/// Stops vertex 10 at half of its path if it `stops`, lets common paths go on if they are free, and records from where a
+/// step and its paths go, and how often it was asked.
+#[derive(Debug, Default)]
+struct Recorder {
+    stops: bool,
+    is_free: bool,
+    asked: u32,
+    begun: Vec<Vec3>,
+    from: Vec<Vec3>,
+}
 
-impl ContactPotential for Stop {
-    fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<(), ContactError> {
+impl ContactPotential for Recorder {
+    fn begin(&mut self, _: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
+        self.begun = start.to_vec();
         Ok(())
     }
 
     fn limit(&mut self, _: &[Vec3], _: &[Vec3]) -> Result<Real, ContactError> {
-        Ok(1.0)
+        Ok(if self.is_free { 1.0 } else { 0.9 })
     }
 
     fn limit_each(
@@ -24,9 +32,10 @@ impl ContactPotential for Stop {
         to: &mut [Vec3],
         fractions: &mut [Real],
     ) -> Result<(), ContactError> {
-        self.0 += 1;
+        self.asked += 1;
+        self.from = from.to_vec();
         fractions.fill(1.0);
-        if to[10].z < -0.05 {
+        if self.stops && to[10].z < -0.05 {
             (to[10].z, fractions[10]) = (-0.05, 0.05 / (from[10].z - to[10].z));
         }
         Ok(())
@@ -58,12 +67,15 @@ fn a_displacement_fades_by_three_percent_of_the_distance() {
         let next = (v < 41 && place(v) < 40).then(|| vertex[place(v) + 1]);
         next.into_iter()
     };
-    let mut contact = Stop(0);
+    let mut contact = Recorder {
+        stops: true,
+        ..Recorder::default()
+    };
     let mut truncation = FadingTruncation::default();
     truncation
         .limit(&mut contact, &from, &mut to, neighbours)
         .unwrap();
-    assert_eq!(contact.0, 2);
+    assert_eq!(contact.asked, 2);
     for v in 0..count {
         let away = place(v).abs_diff(place(10)) as Real;
         let depth = if v < 41 { 0.05 + 3e-4 * away } else { 0.1 };
@@ -75,45 +87,7 @@ fn a_displacement_fades_by_three_percent_of_the_distance() {
     truncation
         .limit(&mut contact, &from, &mut near, neighbours)
         .unwrap();
-    assert_eq!((contact.0, near), (3, whole));
-}
-
-/// Records from where a step goes, and which paths are asked about; all of them are free if `is_free`.
-#[derive(Debug, Default)]
-struct Recorder {
-    is_free: bool,
-    begun: Vec<Vec3>,
-    from: Vec<Vec3>,
-}
-
-impl ContactPotential for Recorder {
-    fn begin(&mut self, _: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        self.begun = start.to_vec();
-        Ok(())
-    }
-
-    fn limit(&mut self, _: &[Vec3], _: &[Vec3]) -> Result<Real, ContactError> {
-        Ok(if self.is_free { 1.0 } else { 0.9 })
-    }
-
-    fn limit_each(
-        &mut self,
-        from: &[Vec3],
-        _: &mut [Vec3],
-        fractions: &mut [Real],
-    ) -> Result<(), ContactError> {
-        self.from = from.to_vec();
-        fractions.fill(1.0);
-        Ok(())
-    }
-
-    fn add_gradient(&self, _: &[Vec3], _: &mut [Vec3]) -> Real {
-        0.0
-    }
-
-    fn linearize(&self, _: &[Vec3], _: &mut Vec<ContactRow>) {}
-
-    fn end(&mut self, _: &[Vec3], _: &[Vec3]) {}
+    assert_eq!((contact.asked, near), (3, whole));
 }
 
 /// Four pieces of three vertices: one flies, one flies with a prescribed vertex, one is torn in two directions, and one
