@@ -131,9 +131,8 @@ impl Pieces {
 impl FadingTruncation {
     /// Begins a step with contact, and truncates the path to where its iteration starts (m), which each prescribed
     /// vertex reaches. `feasible` becomes the positions (m) free of crossings from where that was done: those at the
-    /// start of the step, or where pieces that fly have gone by then: with their prescribed vertices, or if nothing is in
-    /// the way of any. `neighbours(v)` are those of
-    /// vertex v; of two neighbours it is enough if one has the other.
+    /// start of the step, or where pieces that fly have gone by then: with their prescribed vertices, or if nothing is
+    /// in the way of any. `neighbours(v)` are those of vertex v; of two neighbours it is enough if one has the other.
     ///
     /// # Errors
     /// Those of [`ContactPotential::begin`] and [`ContactPotential::limit_each`].
