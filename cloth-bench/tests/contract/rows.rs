@@ -228,9 +228,9 @@ fn sheet_sticks_to_a_sheet() {
     assert!((ways[7] - ways[0]).abs() < 1e-12, "{ways:?}");
 }
 
-/// Sheets that fall freely, onto a floor or a ball with triangles, are not looked at: after the first step one pass over
-/// the positions tells in every substep that nothing is near. Of one that spins some patches are looked into, and no pair
-/// of primitives.
+/// Sheets that fall freely, onto a floor or a ball with triangles, are not looked at: after the first step one pass
+/// over the positions tells in every substep that nothing is near. Of one that spins some patches are looked into, and
+/// no pair of primitives.
 #[test]
 fn free_fall_is_hardly_looked_at() {
     let flat = grid(33, 33, 1.0, 1.0, Diagonals::Alternating).unwrap();

@@ -266,8 +266,8 @@ impl Patches {
         self.accept();
     }
 
-    /// How far (m) every vertex may go from where it is now, relative to the mean motion, while nothing of the cloth comes
-    /// near the cloth; and how far that and the mean motion may go, each, while it comes near no body that rests.
+    /// How far (m) every vertex may go from where it is now, relative to the mean motion, while nothing of the cloth
+    /// comes near the cloth; and how far that and the mean motion may go, each, while it comes near no body that rests.
     /// Nothing if something has just been asked.
     pub(super) fn margins(&self) -> Option<[Real; 2]> {
         if self.has_asked || !self.is_known {

@@ -5,8 +5,8 @@ use cloth_core::contact::{
 };
 use cloth_core::math::{Real, Vec3};
 
-/// Stops vertex 10 at half of its path if it `stops`, lets common paths go on if they are free, and records from where a
-/// step and its paths go, and how often it was asked.
+/// Stops vertex 10 at half of its path if it `stops`, lets common paths go on if they are free, and records from where
+/// a step and its paths go, and how often it was asked.
 #[derive(Debug, Default)]
 struct Recorder {
     stops: bool,

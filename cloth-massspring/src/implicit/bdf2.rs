@@ -24,8 +24,8 @@
 //! times `‖v[0]‖²_M`: 0.06 times at Δt ω = 0.5, no jump, and above 0.1 from Δt ω = 0.57 on, about 11 steps a period or
 //! fewer. Where most of the motion is there, and no external acceleration stands beside it, each step of BDF2 may jump,
 //! so that every other one is of implicit Euler, and λ ([`Bdf2`]) is not the damping. The second term on the right
-//! keeps small motions of cloth at rest from counting. (A limitation: velocities are those in the frame of the scene. Of
-//! cloth that is towed or flies fast only larger jumps count.)
+//! keeps small motions of cloth at rest from counting. (A limitation: velocities are those in the frame of the scene.
+//! Of cloth that is towed or flies fast only larger jumps count.)
 //!
 //! The step with the jump is one of BDF2 itself, unless contact pushes at its end. With a floor at 0, `x[0] = s` and
 //! `x[−1] = s + v Δt`, it would end at 0 with the velocity `v/2 − 3s/(2Δt)`, between −v and v/2: what falls flat would
