@@ -3,7 +3,6 @@
 use crate::ccd::QueryKind;
 use crate::pair::Pair;
 use cloth_core::mesh::TriMesh;
-use cloth_core::topology::DisjointSets;
 
 /// The vertices and edges of the triangles of a mesh, each *represented* by the first triangle that has it, so that a
 /// pair of primitives is met in one pair of triangles only.
@@ -99,13 +98,6 @@ impl Incidence {
 /// The two corners of edge k of a triangle.
 pub(crate) fn ends(k: usize) -> [usize; 2] {
     [k, (k + 1) % 3]
-}
-
-/// The lowest of the vertices that are joined to each of `count` vertices by pairs, itself among them.
-pub(crate) fn joined(count: usize, pairs: &[[u32; 2]]) -> Vec<u32> {
-    let mut sets = DisjointSets::new(count);
-    pairs.iter().for_each(|&[a, b]| sets.join(a, b));
-    (0..count as u32).map(|vertex| sets.root(vertex)).collect()
 }
 
 /// The two vertices of each edge, in rising order, and the three edges of each triangle.

@@ -46,7 +46,7 @@ mod midpoints;
 mod removable;
 
 pub use boundary::boundary_loops;
-pub use components::{DisjointSets, bow_tie_vertices, components};
+pub use components::{DisjointSets, bow_tie_vertices, components, joined};
 pub use edges::{EdgeTable, NONE, inconsistently_oriented_edges, triangle_edges};
 pub use hinges::HingeTable;
 pub use midpoints::Midpoints;

@@ -7,13 +7,14 @@ use super::sewn::Sewn;
 use crate::broad_phase::{BroadPhaseKind, TrianglePairs};
 use crate::ccd::QueryKind;
 use crate::error::NonFinite;
-use crate::incidence::{Incidence, joined};
+use crate::incidence::Incidence;
 use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
 use crate::separation::meet_unduly;
 use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
+use cloth_core::topology::joined;
 
 /// Fraction of the thickness that coordinates have to resolve: the length below which friction is a spring.
 const RESOLVED: Real = 0.01;
@@ -104,7 +105,7 @@ impl Near {
             cloth,
             surfaces,
             own,
-            component: joined(mesh.vertex_count(), &incidence.edges),
+            component: joined(mesh.vertex_count(), incidence.edges.iter().copied()),
             incidence,
             vertex_area,
             edge_area,

@@ -1,6 +1,6 @@
 //! Vertices that are sewn together: what has one of them is a neighbour of what has the other.
 
-use crate::incidence::joined;
+use cloth_core::topology::joined;
 
 /// Classes of sewn vertices.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +22,7 @@ impl Sewn {
         let is_known = |v: &u32| (*v as usize) < vertex_count;
         let mut pairs = pairs.to_vec();
         pairs.retain(|pair| pair.iter().all(is_known));
-        let class = joined(vertex_count, &pairs);
+        let class = joined(vertex_count, pairs.iter().copied());
         let onto_edges = onto_edges.iter().filter(|all| all.iter().all(is_known));
         let ends = onto_edges.flat_map(|&[v, a, b]| [[v, a], [v, b]]);
         let of = |v: u32| class[v as usize];

@@ -1,10 +1,10 @@
 //! What the contour cuts off a cloth: the components that are probably on the wrong side.
 
 use super::crossing::Crossing;
-use crate::incidence::{edge_numbers, joined};
+use crate::incidence::edge_numbers;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use cloth_core::topology::DisjointSets;
+use cloth_core::topology::{DisjointSets, joined};
 
 /// Connected components of the mesh, when the edges that pass through a triangle are taken away.
 ///
@@ -37,7 +37,7 @@ impl Components {
         let (edges, _) = edge_numbers(mesh.triangles());
         let count = mesh.vertex_count();
         Self {
-            mesh_of: joined(count, &[&edges[..], sewn].concat()),
+            mesh_of: joined(count, edges.iter().chain(sewn).copied()),
             sewn: sewn.to_vec(),
             cut: vec![false; edges.len()],
             edges,

@@ -12,7 +12,7 @@
 
 use super::{ContactError, ContactPotential, ContactStep};
 use crate::math::{Real, Vec3};
-use crate::topology::DisjointSets;
+use crate::topology::joined;
 
 /// Strain of an edge that a truncation may make (dimensionless).
 const STRAIN: Real = 0.03;
@@ -64,14 +64,8 @@ impl Pieces {
         if self.roots.len() == count {
             return;
         }
-        let mut sets = DisjointSets::new(count);
-        for v in 0..count {
-            for u in neighbours(v) {
-                sets.join(v as u32, u as u32);
-            }
-        }
-        self.roots.clear();
-        self.roots.extend((0..count as u32).map(|v| sets.root(v)));
+        let around = |v: usize| neighbours(v).into_iter().map(move |u| [v as u32, u as u32]);
+        self.roots = joined(count, (0..count).flat_map(around));
     }
 
     /// Finds how the pieces move in a step that would end at `to` (m): together, or else each by itself.

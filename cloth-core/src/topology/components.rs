@@ -31,6 +31,19 @@ pub fn components(vertex_count: usize, edges: &EdgeTable) -> Vec<u32> {
     label
 }
 
+/// The lowest of the vertices that are joined to each of `count` vertices by pairs, itself among them.
+///
+/// # Panics
+/// If a pair names a vertex that is not below `count`.
+#[must_use]
+pub fn joined(count: usize, pairs: impl IntoIterator<Item = [u32; 2]>) -> Vec<u32> {
+    let mut sets = DisjointSets::new(count);
+    for [a, b] in pairs {
+        sets.join(a, b);
+    }
+    (0..count as u32).map(|vertex| sets.root(vertex)).collect()
+}
+
 /// Vertices, in ascending order, whose triangles form more than one fan: pieces of surface that
 /// touch in a point only. Such a vertex is not manifold, because its surroundings are no disk.
 ///

@@ -15,11 +15,11 @@ use super::{ClosedMesh, feature};
 use crate::bounds::Bounds;
 use crate::closest::{nearest_on_segment, point_triangle};
 use crate::convert::aabb;
-use crate::incidence::{ends, joined};
+use crate::incidence::ends;
 use crate::obstacle::Distance;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
-use cloth_core::topology::EdgeTable;
+use cloth_core::topology::{EdgeTable, joined};
 
 /// A triangle this fraction of the size of a body above the plane of its neighbour makes the edge between them concave.
 const ABOVE: Real = 1e-9;
@@ -27,7 +27,7 @@ const ABOVE: Real = 1e-9;
 /// Whether the surface, which is closed and does not pass through itself, is that of a convex body: one component, and
 /// without a concave edge.
 pub(super) fn is_convex(mesh: &TriMesh, table: &EdgeTable, faces: &[Vec3]) -> bool {
-    let components = joined(mesh.vertex_count(), table.ends());
+    let components = joined(mesh.vertex_count(), table.ends().iter().copied());
     if components
         .iter()
         .any(|&component| component != components[0])
