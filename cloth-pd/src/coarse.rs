@@ -211,7 +211,7 @@ impl CoarseGrid {
             },
         );
         if !self.free_components.is_empty() {
-            self.free_components.align(None, &mut self.correction);
+            self.free_components.center(&mut self.correction);
         }
     }
 

@@ -25,10 +25,48 @@ pub(crate) struct FreeComponents {
     vertex_mass: Vec<Real>,
     mass: Vec<Real>,
     shift: Vec<Vec3>,
-    /// Of each component, `Σ m + Δt D` (kg) with the drag of the air.
+    /// Of each component, `Σ Δt D` (kg) with the drag of the air.
     dragged: Vec<Mat3>,
     /// Whether each component is supported: contact pressed something else against it where the last step ended.
     is_supported: Vec<bool>,
+}
+
+/// What the momentum of cloth comes to in a step if nothing stops it: `Σ m (q − u) + Δt D (q − Δt v₀) = 0`, with the
+/// displacements q and u without elasticity, and the drag D of the air, if there is air, from the velocities v₀ before.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Momentum<'a> {
+    /// u (m).
+    pub(crate) inertial: &'a [Vec3],
+    /// D (kg/s) and v₀ (m/s); empty without air.
+    pub(crate) drag: &'a [(Mat3, Vec3)],
+    /// Δt (s).
+    pub(crate) dt: Real,
+}
+
+impl Momentum<'_> {
+    /// What a vertex of some mass (kg) and displaced by `q` (m) lacks of it, times Δt (kg·m).
+    fn missing(&self, vertex: usize, mass: Real, q: Vec3) -> Vec3 {
+        let inertia = (self.inertial[vertex] - q) * mass;
+        match self.drag.get(vertex) {
+            Some((drag, before)) => inertia - drag * (q - before * self.dt) * self.dt,
+            None => inertia,
+        }
+    }
+
+    /// Δt D (kg) of a vertex.
+    fn drag(&self, vertex: usize) -> Mat3 {
+        let drag = self.drag.get(vertex);
+        drag.map_or_else(Mat3::zeros, |(drag, _)| drag * self.dt)
+    }
+
+    /// The shift (m) by which vertices make up for what they lack together (kg·m), of their mass (kg) and drag (kg).
+    fn shift(&self, missing: Vec3, mass: Real, drag: &Mat3) -> Vec3 {
+        if self.drag.is_empty() {
+            return missing / mass;
+        }
+        let resistance = Mat3::from_diagonal_element(mass) + drag;
+        resistance.try_inverse().unwrap_or_else(Mat3::zeros) * missing
+    }
 }
 
 const CONSTRAINED: u32 = u32::MAX;
@@ -113,43 +151,34 @@ impl FreeComponents {
         }
     }
 
-    /// Moves every free component that nothing supports as a whole, so that its centre of mass is displaced as that of
-    /// `goal`, or not at all without one; both are displacements (m).
-    pub(crate) fn align(&mut self, goal: Option<&[Vec3]>, q: &mut [Vec3]) {
-        self.shift.fill(Vec3::zeros());
-        for (vertex, &component) in self.component.iter().enumerate() {
-            if let Some(shift) = self.shift.get_mut(component as usize) {
-                let goal = goal.map_or_else(Vec3::zeros, |goal| goal[vertex]);
-                *shift += (goal - q[vertex]) * self.vertex_mass[vertex];
-            }
-        }
-        for (shift, mass) in self.shift.iter_mut().zip(&self.mass) {
-            *shift /= *mass;
-        }
-        self.add_shifts(q);
-    }
-
-    /// Moves every free component that nothing supports as a whole to where its momentum takes it against a `drag` D
-    /// (kg/s) from its velocities before the step (m/s): `Σ m (q − u) + Δt D (q − Δt v₀) = 0`.
-    pub(crate) fn align_dragged(
-        &mut self,
-        goal: &[Vec3],
-        drag: &[(Mat3, Vec3)],
-        dt: Real,
-        q: &mut [Vec3],
-    ) {
+    /// Moves every free component that nothing supports as a whole to where its momentum takes it, from the
+    /// displacements q (m).
+    pub(crate) fn align(&mut self, momentum: Momentum<'_>, q: &mut [Vec3]) {
         self.shift.fill(Vec3::zeros());
         self.dragged.fill(Mat3::zeros());
         for (vertex, &component) in self.component.iter().enumerate() {
             if let Some(shift) = self.shift.get_mut(component as usize) {
-                let (mass, (drag, before)) = (self.vertex_mass[vertex], drag[vertex]);
-                *shift += (goal[vertex] - q[vertex]) * mass;
-                *shift -= drag * (q[vertex] - before * dt) * dt;
-                self.dragged[component as usize] += Mat3::from_diagonal_element(mass) + drag * dt;
+                let mass = self.vertex_mass[vertex];
+                *shift += momentum.missing(vertex, mass, q[vertex]);
+                self.dragged[component as usize] += momentum.drag(vertex);
             }
         }
-        for (shift, dragged) in self.shift.iter_mut().zip(&self.dragged) {
-            *shift = dragged.try_inverse().unwrap_or_else(Mat3::zeros) * *shift;
+        for (number, shift) in self.shift.iter_mut().enumerate() {
+            *shift = momentum.shift(*shift, self.mass[number], &self.dragged[number]);
+        }
+        self.add_shifts(q);
+    }
+
+    /// Moves every free component that nothing supports as a whole, so that its centre of mass is not displaced.
+    pub(crate) fn center(&mut self, q: &mut [Vec3]) {
+        self.shift.fill(Vec3::zeros());
+        for (vertex, &component) in self.component.iter().enumerate() {
+            if let Some(shift) = self.shift.get_mut(component as usize) {
+                *shift -= q[vertex] * self.vertex_mass[vertex];
+            }
+        }
+        for (shift, mass) in self.shift.iter_mut().zip(&self.mass) {
+            *shift /= *mass;
         }
         self.add_shifts(q);
     }
@@ -168,16 +197,17 @@ impl FreeComponents {
         self.component[vertex as usize] != CONSTRAINED
     }
 
-    /// The shift (m) of all free components together that displaces their common centre of mass as `goal` does; both
-    /// are displacements (m).
-    pub(crate) fn shift_together(&self, goal: &[Vec3], q: &[Vec3]) -> Vec3 {
-        let mut shift = Vec3::zeros();
+    /// The shift (m) of all free components together, from the displacements q (m), that takes them to where their
+    /// momentum does.
+    pub(crate) fn shift_together(&self, momentum: Momentum<'_>, q: &[Vec3]) -> Vec3 {
+        let (mut missing, mut drag) = (Vec3::zeros(), Mat3::zeros());
         for (vertex, &component) in self.component.iter().enumerate() {
             if component != CONSTRAINED {
-                shift += (goal[vertex] - q[vertex]) * self.vertex_mass[vertex];
+                missing += momentum.missing(vertex, self.vertex_mass[vertex], q[vertex]);
+                drag += momentum.drag(vertex);
             }
         }
-        shift / self.mass.iter().sum::<Real>()
+        momentum.shift(missing, self.mass.iter().sum(), &drag)
     }
 
     /// Adds a shift (m) to all vertices of free components.

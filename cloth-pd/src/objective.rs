@@ -55,7 +55,7 @@
 //! from x in every iteration, so errors of solves do not add up. In single precision two values of `G` could not be
 //! told apart below some 10⁻⁷ of their size.
 
-use crate::components::FreeComponents;
+use crate::components::{FreeComponents, Momentum};
 use crate::contact::Contact;
 use crate::local::Projections;
 use crate::quadratic::{Padded, Quadratic};
@@ -205,6 +205,15 @@ impl Objective {
     /// Whether the drag of the air is in `G`.
     pub(crate) fn is_dragged(&self) -> bool {
         !self.drag.is_empty()
+    }
+
+    /// What the momentum of the cloth comes to if nothing stops it.
+    pub(crate) fn momentum(&self) -> Momentum<'_> {
+        Momentum {
+            inertial: &self.inertial,
+            drag: &self.drag,
+            dt: self.dt,
+        }
     }
 
     /// Δt (s) of the step.

@@ -307,7 +307,7 @@ impl PdSolver {
             return Ok(());
         };
         let q = &mut self.point.displacement;
-        let shift = components.shift_together(&self.objective.inertial, q);
+        let shift = components.shift_together(self.objective.momentum(), q);
         self.feasible.copy_from_slice(&self.point.positions);
         components.add(shift, &mut self.feasible);
         let fraction = contact.limit(&self.point.positions, &self.feasible)?;
@@ -467,8 +467,8 @@ impl PdSolver {
         if let Some(contact) = contact {
             // A motion of no length: it sets the candidates for the evaluation there.
             contact.limit(&self.feasible, &self.feasible)?;
-        } else if !self.objective.is_dragged() {
-            self.free_components.align(Some(inertial), q);
+        } else {
+            self.free_components.align(self.objective.momentum(), q);
         }
         self.objective.evaluate(&mut self.fallback, contact);
         let excess = self.point.value - self.fallback.value;

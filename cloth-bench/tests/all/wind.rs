@@ -84,6 +84,35 @@ fn free_cloth_is_never_faster_than_the_wind() {
     }
 }
 
+/// Two sheets of which one is four times as heavy fly as fast where they can touch each other, and do not, as where
+/// they cannot.
+#[test]
+fn cloth_that_touches_nothing_flies_as_if_it_could_not() {
+    let of = |contact: &str| {
+        let text = format!(
+            "{LIGHT}[[mesh]]\ngenerator = \"grid:7x7:alternating\"\nscale = 0.3\nrotate = [1.5707963, 0, 0]\n\
+             translate = [0, -0.3, 0]\n[mesh.cloth]\ndensity = 0.08\n[air]\nwind = [0, 12, 0]\n{contact}"
+        );
+        scene(&format!("flies{}", contact.len()), &text)
+    };
+    let (alone, together) = (of(""), of("[contact]\nself = true\n"));
+    for (name, settings) in methods() {
+        // `auto` is one substep where nothing can be touched, and more where something can.
+        let settings = match name {
+            "xpbd-direct" => &["substeps=1"][..],
+            _ => settings,
+        };
+        let [expected, velocities] =
+            [&alone, &together].map(|scene| run(scene, name, settings, 10).1.velocities);
+        let errors = expected
+            .iter()
+            .zip(&velocities)
+            .map(|(a, b)| (a - b).norm());
+        let error = errors.fold(0.0, f64::max) / 12.0;
+        assert!(error < 1e-9, "{name}: {error:e} of the wind");
+    }
+}
+
 /// A sheet that the wind has pulled taut comes to rest: what the air has given it is bounded, and no substep adds to
 /// it.
 #[test]

@@ -19,14 +19,8 @@ impl PdSolver {
                 StartGuess::Predicted => inertial[vertex],
             };
         }
-        let components = &mut self.free_components;
-        match (self.config.start, self.objective.is_dragged()) {
-            (StartGuess::Inertial, false) => components.align(Some(inertial), q),
-            (StartGuess::Inertial, true) => {
-                let dt = self.objective.dt();
-                components.align_dragged(inertial, &self.objective.drag, dt, q);
-            }
-            _ => {}
+        if self.config.start == StartGuess::Inertial {
+            self.free_components.align(self.objective.momentum(), q);
         }
         self.point.is_evaluated = false;
     }
