@@ -72,7 +72,7 @@ impl Momentum<'_> {
 const CONSTRAINED: u32 = u32::MAX;
 /// A row of `Σ w SᵀS` whose entries add up to more than this fraction of the largest diagonal entry resists a
 /// translation; a smaller entry couples nothing: it is the rounding that removed elements leave.
-const ROUNDING: Real = 1e-13;
+pub(crate) const COUPLING_ROUNDING: Real = 1e-13;
 
 impl FreeComponents {
     /// Finds the components in the entries of the lower half of `Σ w SᵀS` (N/m): row, column, value. It makes no
@@ -86,14 +86,14 @@ impl FreeComponents {
             sums[row] += value;
             if row != column {
                 sums[column] += value;
-                if value.abs() > ROUNDING * largest {
+                if value.abs() > COUPLING_ROUNDING * largest {
                     sets.join(row as u32, column as u32);
                 }
             }
         }
         let mut is_constrained = vec![false; count];
         for vertex in 0..count {
-            if particles.is_prescribed(vertex) || sums[vertex].abs() > ROUNDING * largest {
+            if particles.is_prescribed(vertex) || sums[vertex].abs() > COUPLING_ROUNDING * largest {
                 is_constrained[sets.root(vertex as u32) as usize] = true;
             }
         }

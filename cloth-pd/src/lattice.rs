@@ -16,30 +16,65 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// Lays `cells` cubes along the longest side of the box around `rest` (m), or so many fewer that there are two
-    /// vertices to a node. Vertices that are not free get no weights, nodes near no free vertex no number.
-    pub(crate) fn over(rest: &[Vec3], is_free: impl Fn(usize) -> bool, mut cells: u32) -> Self {
-        loop {
-            let lattice = Self::of(rest, &is_free, cells);
-            // More nodes than that and few vertices between them: their motions depend on each other.
-            if cells == 1 || 2 * lattice.node_positions.len() <= rest.len() {
-                return lattice;
+    /// Lays `cells` cubes along the longest side of the box around each piece at rest (m), or so many fewer that there
+    /// are two vertices to a node; `piece[v]` tells the piece of vertex v. One lattice over all of them would be
+    /// coarser, the farther apart they are, and would couple those that lie on each other. Vertices that are not free
+    /// get no weights, nodes near no free vertex no number.
+    pub(crate) fn over(
+        rest: &[Vec3],
+        is_free: impl Fn(usize) -> bool,
+        piece: &[u32],
+        cells: u32,
+    ) -> Self {
+        let mut order: Vec<usize> = (0..rest.len()).collect();
+        order.sort_by_key(|&vertex| piece[vertex]);
+        let mut rows = vec![Vec::new(); rest.len()];
+        let mut node_positions = Vec::new();
+        for vertices in order.chunk_by(|&a, &b| piece[a] == piece[b]) {
+            let mut cells = cells;
+            let axes = axes(rest, vertices);
+            let one = loop {
+                let one = Piece::of(rest, vertices, &axes, &is_free, cells);
+                // More nodes than that and few vertices between them: their motions depend on each other.
+                if cells == 1 || 2 * one.nodes.len() <= vertices.len() {
+                    break one;
+                }
+                cells -= 1;
+            };
+            let first = node_positions.len() as u32;
+            for (&vertex, mut row) in vertices.iter().zip(one.rows) {
+                row.iter_mut().for_each(|(node, _)| *node += first);
+                rows[vertex] = row;
             }
-            cells -= 1;
+            node_positions.extend(one.nodes);
+        }
+        Self {
+            prolongation: Prolongation::new(rows.iter().map(|row| &row[..]), node_positions.len()),
+            node_positions,
         }
     }
+}
 
-    fn of(rest: &[Vec3], is_free: impl Fn(usize) -> bool, cells: u32) -> Self {
-        let low = rest
-            .iter()
-            .copied()
-            .reduce(|a, b| a.inf(&b))
-            .unwrap_or_default();
-        let high = rest
-            .iter()
-            .copied()
-            .reduce(|a, b| a.sup(&b))
-            .unwrap_or_default();
+/// The lattice of one piece.
+struct Piece {
+    /// Nodes around each vertex of the piece, ascending, and their weights.
+    rows: Vec<Vec<(u32, Real)>>,
+    /// Positions of the nodes (m).
+    nodes: Vec<Vec3>,
+}
+
+impl Piece {
+    fn of(
+        rest: &[Vec3],
+        vertices: &[usize],
+        axes: &Mat3,
+        is_free: impl Fn(usize) -> bool,
+        cells: u32,
+    ) -> Self {
+        let position = |vertex: usize| axes * rest[vertex];
+        let positions = || vertices.iter().map(|&vertex| position(vertex));
+        let low = positions().reduce(|a, b| a.inf(&b)).unwrap_or_default();
+        let high = positions().reduce(|a, b| a.sup(&b)).unwrap_or_default();
         let extent = high - low;
         let side = extent.max() / Real::from(cells);
         // Along each axis: the node before, and how far beyond it.
@@ -52,42 +87,62 @@ impl Lattice {
             let node = at.floor().clamp(0.0, last);
             (node as u64, at - node)
         };
-        let mut offsets = vec![0u32];
-        let mut keys: Vec<(u64, Real)> = Vec::new();
-        for (vertex, x) in rest.iter().enumerate() {
-            if is_free(vertex) {
-                let axes: [(u64, Real); 3] = std::array::from_fn(|axis| locate(x[axis], axis));
-                for corner in 0..8u64 {
-                    let (mut key, mut weight) = (0, 1.0);
-                    for (axis, (node, beyond)) in axes.into_iter().enumerate() {
-                        let bit = corner >> axis & 1;
-                        key = key << 21 | (node + bit);
-                        weight *= if bit == 1 { beyond } else { 1.0 - beyond };
-                    }
-                    if weight > SMALLEST_WEIGHT {
-                        keys.push((key, weight));
-                    }
+        let around = |vertex: usize| {
+            let x = position(vertex);
+            let places: [(u64, Real); 3] = std::array::from_fn(|axis| locate(x[axis], axis));
+            let corners = (0..8u64).map(move |corner| {
+                let (mut key, mut weight) = (0, 1.0);
+                for (axis, (node, beyond)) in places.into_iter().enumerate() {
+                    let bit = corner >> axis & 1;
+                    key = key << 21 | (node + bit);
+                    weight *= if bit == 1 { beyond } else { 1.0 - beyond };
                 }
-            }
-            offsets.push(keys.len() as u32);
-        }
-        let mut nodes: Vec<u64> = keys.iter().map(|(key, _)| *key).collect();
+                (key, weight)
+            });
+            corners.filter(|(_, weight)| *weight > SMALLEST_WEIGHT)
+        };
+        let of_free = || vertices.iter().filter(|vertex| is_free(**vertex));
+        let mut nodes: Vec<u64> = of_free().flat_map(|&v| around(v)).map(|(k, _)| k).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let number = |key: u64| nodes.binary_search(&key).unwrap_or_default() as u32;
-        let mut entries: Vec<(u32, Real)> = keys.iter().map(|&(k, w)| (number(k), w)).collect();
-        for range in offsets.windows(2) {
-            entries[range[0] as usize..range[1] as usize].sort_unstable_by_key(|entry| entry.0);
-        }
-        let rows = offsets.windows(2);
-        let rows = rows.map(|range| &entries[range[0] as usize..range[1] as usize]);
+        let row = |&vertex: &usize| {
+            let mut row: Vec<(u32, Real)> = match is_free(vertex) {
+                true => around(vertex).map(|(k, w)| (number(k), w)).collect(),
+                false => Vec::new(),
+            };
+            row.sort_unstable_by_key(|entry| entry.0);
+            row
+        };
+        let rows = vertices.iter().map(row).collect();
         let along = |key: u64, axis: u64| (key >> (21 * (2 - axis)) & ((1 << 21) - 1)) as Real;
         let node = |key: &u64| Vec3::new(along(*key, 0), along(*key, 1), along(*key, 2));
-        Self {
-            prolongation: Prolongation::new(rows, nodes.len()),
-            node_positions: nodes.iter().map(|key| low + node(key) * side).collect(),
-        }
+        let nodes = nodes
+            .iter()
+            .map(|key| axes.tr_mul(&(low + node(key) * side)));
+        let nodes = nodes.collect();
+        Self { rows, nodes }
     }
+}
+
+/// The axes of the lattice of a piece, as rows: those of space, but of a thin piece its normal and two across it. A
+/// sheet that lies at an angle in cubes has more nodes around it than motions: `PᵀHP` would be singular.
+fn axes(rest: &[Vec3], vertices: &[usize]) -> Mat3 {
+    let count = vertices.len() as Real;
+    let middle = vertices.iter().map(|&v| rest[v]).sum::<Vec3>() / count;
+    let from_middle = vertices.iter().map(|&v| rest[v] - middle);
+    let spread: Mat3 = from_middle.map(|d| d * d.transpose()).sum();
+    let principal = spread.symmetric_eigen();
+    let (least, most) = (principal.eigenvalues.imin(), principal.eigenvalues.max());
+    let normal = principal.eigenvectors.column(least).into_owned();
+    let is_thin = principal.eigenvalues[least] <= THIN * THIN * most;
+    if !is_thin || normal.amax() > 1.0 - STRAIGHT {
+        return Mat3::identity();
+    }
+    let along = Vec3::ith(normal.iamin(), 1.0);
+    let first = (along - normal * normal.dot(&along)).normalize();
+    let second = normal.cross(&first);
+    Mat3::from_rows(&[first.transpose(), second.transpose(), normal.transpose()])
 }
 
 /// A 3 × 3 block column by column, each with a fourth number, so that sums are of whole registers.
@@ -189,5 +244,9 @@ impl ElementProlongation {
 
 /// A box thinner than this fraction of its longest side is flat: one layer of nodes, no cells.
 const FLAT: Real = 1e-6;
+/// A piece is thin if it is less spread along its normal than this fraction of its largest spread, and straight in
+/// space if its normal is along an axis but for this.
+const THIN: Real = 0.1;
+const STRAIGHT: Real = 1e-12;
 /// Smaller weights are rounding.
 const SMALLEST_WEIGHT: Real = 1e-9;

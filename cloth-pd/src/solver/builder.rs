@@ -123,8 +123,8 @@ impl PdBuilder {
         }
     }
 
-    /// Lays a coarse grid over the cloth, of `cells` cubes along the longest side of the box around its rest positions
-    /// (m). [`Acceleration::QuasiNewton`] takes a Newton step on it in every iteration, the other methods have no use
+    /// Lays a coarse grid over each connected piece of the cloth, of `cells` cubes along the longest side of the box
+    /// around its rest positions (m). [`Acceleration::QuasiNewton`] takes a Newton step on it in every iteration, the other methods have no use
     /// for it. A few cells are enough, 12 for instance, whatever the resolution of the cloth; there are fewer where a
     /// node would have less than two vertices.
     #[must_use]

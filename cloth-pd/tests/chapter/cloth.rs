@@ -3,6 +3,7 @@
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, predict};
+use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use cloth_core::step::StepInput;
@@ -19,14 +20,22 @@ pub(crate) fn falling<'a>() -> StepInput<'a> {
 /// A square sheet of 1 m and 0.2 kg/m², `n` vertices a side, with springs of stiffness `k` (N/m) and a little bending;
 /// free, at rest.
 pub(crate) fn sheet(n: usize, k: Real) -> (ClothModel, State) {
-    let mesh = grid(n, n, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    sheets(
+        &grid(n, n, 1.0, 1.0, Diagonals::Alternating).unwrap(),
+        k,
+        1e-3,
+    )
+}
+
+/// The same of a mesh, with a bending rigidity (N·m).
+pub(crate) fn sheets(mesh: &TriMesh, k: Real, rigidity: Real) -> (ClothModel, State) {
     let cloth = Cloth {
         areal_density: 0.2,
         membrane: Membrane::SpringStiffness(k),
-        bending_rigidity: 1e-3,
+        bending_rigidity: rigidity,
     };
     let state = State::at_rest(mesh.positions().to_vec());
-    (cloth.on(&mesh).unwrap(), state)
+    (cloth.on(mesh).unwrap(), state)
 }
 
 /// [`sheet`], held at two corners.

@@ -8,6 +8,7 @@
 //! | quadratic energies: one iteration | `minimum.rs` | 2e-15 |
 //! | all accelerations end at one minimum | `acceleration.rs` | 1e-11 m |
 //! | local steps against brute force | `local.rs` | see there |
+//! | a sheet turned, or beside another, moves as alone | `pieces.rs` | 2e-3 m |
 //! | a changed solver steps as a new one | `change.rs` | see there |
 //! | energy that pins give, from their reactions | `pin_work.rs` | see there |
 //! | same bits on any number of threads | `step.rs` | none |
@@ -22,6 +23,7 @@ mod edges;
 mod local;
 mod minimum;
 mod motion;
+mod pieces;
 mod pin_work;
 mod robust;
 mod step;
