@@ -172,10 +172,13 @@ impl CoarseGrid {
                 blocks[slot] += Mat3::from_diagonal_element(attachment.stiffness * weight);
             });
         }
-        self.is_ready = self.multigrid.refresh(&self.matrix);
+        // Nodes around a curved piece can have motions that move no vertex. Such a matrix is singular but for rounding,
+        // and is solved with a slightly larger diagonal.
+        let _ = self.multigrid.refresh(&self.matrix);
+        self.is_ready = self.multigrid.is_ready();
     }
 
-    /// Whether the matrix of the coarsest level was positive definite.
+    /// Whether the matrix of the coarsest level was positive definite, or is with a slightly larger diagonal.
     pub(crate) fn is_ready(&self) -> bool {
         self.is_ready
     }

@@ -213,6 +213,13 @@ impl Multigrid {
         true
     }
 
+    /// Whether the coarsest level gives a correction: it is solved by its factor, perhaps with a larger diagonal, or by
+    /// a sweep.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        self.coarsest.as_ref().is_none_or(Coarsest::has_factor)
+    }
+
     /// One V-cycle from zero: `z` (m) is near `A⁻¹ r` for a right-hand side `r` (N), and zero where nothing moves.
     ///
     /// # Panics

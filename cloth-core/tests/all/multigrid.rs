@@ -369,3 +369,24 @@ fn many_contacts_of_the_same_vertices_are_one_where_the_grid_is_coarse() {
         assert!(2 * known < unknown, "{stiffness} N/m: {known} {unknown}");
     }
 }
+
+/// The Hessian of a free sheet alone, singular, gets a diagonal that is larger by little; a negative one does not.
+#[test]
+fn what_is_singular_is_solved_with_a_larger_diagonal() {
+    let system = system(sheet(9), 1e-5, true);
+    let count = system.mesh.vertex_count();
+    let energies = system.model.energies().unwrap();
+    let assembly = energies.lumped_assembly();
+    let mut matrix = BlockMatrix::zeros(Arc::clone(assembly.pattern()));
+    let x = system.mesh.positions();
+    energies.add_hessian(&assembly, x, 1.0, Convexity::Clamp, &mut matrix);
+    let mut multigrid = Multigrid::new(&matrix, &vec![true; count], x);
+    let is_definite = multigrid.refresh(&matrix);
+    assert!(!is_definite && multigrid.is_ready());
+    let r: Vec<Vec3> = (0..count).map(noise).collect();
+    let mut z = r.clone();
+    multigrid.apply(&r, &mut z);
+    assert!(dot(&r, &z) > 0.0);
+    matrix.set_diagonal(&vec![-1.0; count], 1e6);
+    assert!(!multigrid.refresh(&matrix) && !multigrid.is_ready());
+}

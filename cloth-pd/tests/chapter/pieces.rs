@@ -3,7 +3,7 @@
 use crate::cloth::{DT, GRAVITY, coarse_solver, distance, sheets};
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use cloth_core::mesh::generate::{Diagonals, grid, join};
+use cloth_core::mesh::generate::{Diagonals, grid, join, tube};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pd::PdConfig;
 
@@ -68,4 +68,21 @@ fn a_sheet_moves_as_alone_beside_another_that_is_far_away() {
         assert!(apart < NEAR, "piece {far}: {apart:e} m");
     }
     assert!(together * 10 <= iterations * 11, "{together}");
+}
+
+/// Nodes around a tube at an angle have motions that move no vertex; its lattice is of use all the same.
+#[test]
+fn a_tube_at_an_angle_has_a_coarse_grid() {
+    let straight = tube(60, 30, 0.159, 0.5).unwrap();
+    for turn in 0..6 {
+        let angles = Vec3::new(0.5, 0.3, 0.2) + Vec3::new(0.3, -0.2, 0.1) * Real::from(turn);
+        let turn = nalgebra::Rotation3::from_scaled_axis(angles);
+        let positions = straight.positions().iter().map(|x| turn * x).collect();
+        let mesh = TriMesh::new(positions, straight.triangles().to_vec()).unwrap();
+        let (mut model, mut state) = sheets(&mesh, 2e4, 1e-5);
+        model.particles.prescribe(0).unwrap();
+        let mut solver = coarse_solver(&model, mesh.positions(), PdConfig::default());
+        let report = solver.step(&mut state, StepInput::new(DT).gravity(GRAVITY));
+        assert_eq!(report.unwrap().coarse_fallbacks, 0, "{angles:?}");
+    }
 }

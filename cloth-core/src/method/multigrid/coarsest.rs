@@ -78,6 +78,11 @@ impl Coarsest {
         self.factor.is_some()
     }
 
+    /// Whether there is a factor.
+    pub(super) fn has_factor(&self) -> bool {
+        self.factor.is_some()
+    }
+
     /// Solves with the last factor, or gives no correction without one.
     pub(super) fn solve(&mut self, level: &mut Level) {
         let Some(factor) = &self.factor else {
