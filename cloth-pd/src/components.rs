@@ -29,6 +29,9 @@ pub(crate) struct FreeComponents {
     dragged: Vec<Mat3>,
     /// Whether each component is supported: contact pressed something else against it where the last step ended.
     is_supported: Vec<bool>,
+    /// Which components touch each other, and the mass (kg) of those that do together.
+    touching: DisjointSets,
+    together: Vec<Real>,
 }
 
 /// What the momentum of cloth comes to in a step if nothing stops it: `Σ m (q − u) + Δt D (q − Δt v₀) = 0`, with the
@@ -114,6 +117,8 @@ impl FreeComponents {
             shift: vec![Vec3::zeros(); mass.len()],
             dragged: vec![Mat3::zeros(); mass.len()],
             is_supported: vec![false; mass.len()],
+            touching: DisjointSets::default(),
+            together: Vec::new(),
             vertex_mass: particles.mass().to_vec(),
             component,
             mass,
@@ -192,28 +197,65 @@ impl FreeComponents {
         }
     }
 
-    /// Whether a vertex belongs to one.
-    pub(crate) fn contains(&self, vertex: u32) -> bool {
-        self.component[vertex as usize] != CONSTRAINED
-    }
-
-    /// The shift (m) of all free components together, from the displacements q (m), that takes them to where their
-    /// momentum does.
-    pub(crate) fn shift_together(&self, momentum: Momentum<'_>, q: &[Vec3]) -> Vec3 {
-        let (mut missing, mut drag) = (Vec3::zeros(), Mat3::zeros());
-        for (vertex, &component) in self.component.iter().enumerate() {
-            if component != CONSTRAINED {
-                missing += momentum.missing(vertex, self.vertex_mass[vertex], q[vertex]);
-                drag += momentum.drag(vertex);
+    /// Finds the shift of each component, from the displacements q (m), that takes it to where its momentum does,
+    /// together with those that it touches; none where anything else is touched. Returns whether there is one.
+    pub(crate) fn find_shifts(
+        &mut self,
+        momentum: Momentum<'_>,
+        rows: &[ContactRow],
+        q: &[Vec3],
+    ) -> bool {
+        let count = self.mass.len();
+        // All that is not free is one more.
+        self.touching.reset(count + 1);
+        for row in rows {
+            let ends = row.vertices.iter().zip(row.weights);
+            let mut last = (!row.is_internal()).then_some(count as u32);
+            for (&vertex, _) in ends.filter(|end| end.1 != 0.0) {
+                let own = self.component[vertex as usize].min(count as u32);
+                last.iter().for_each(|&last| self.touching.join(last, own));
+                last = Some(own);
             }
         }
-        momentum.shift(missing, self.mass.iter().sum(), &drag)
+        let held = self.touching.root(count as u32);
+        self.shift.fill(Vec3::zeros());
+        self.dragged.fill(Mat3::zeros());
+        self.together.clear();
+        self.together.resize(count, 0.0);
+        for (number, mass) in self.mass.iter().enumerate() {
+            let root = self.touching.root(number as u32);
+            if root != held {
+                self.together[root as usize] += mass;
+            }
+        }
+        for (vertex, &component) in self.component.iter().enumerate() {
+            if component != CONSTRAINED {
+                let root = self.touching.root(component) as usize;
+                let mass = self.vertex_mass[vertex];
+                self.shift[root] += momentum.missing(vertex, mass, q[vertex]);
+                self.dragged[root] += momentum.drag(vertex);
+            }
+        }
+        for number in 0..count {
+            // The root is the lowest of those that touch each other, and so comes first.
+            let root = self.touching.root(number as u32) as usize;
+            self.shift[number] = match self.together[root] {
+                0.0 => Vec3::zeros(),
+                mass if root == number => {
+                    momentum.shift(self.shift[root], mass, &self.dragged[root])
+                }
+                _ => self.shift[root],
+            };
+        }
+        self.together.iter().any(|mass| *mass > 0.0)
     }
 
-    /// Adds a shift (m) to all vertices of free components.
-    pub(crate) fn add(&self, shift: Vec3, q: &mut [Vec3]) {
-        let both = self.component.iter().zip(q);
-        both.filter(|(component, _)| **component != CONSTRAINED)
-            .for_each(|(_, q)| *q += shift);
+    /// Adds a part of the shifts that were found last to the vertices of free components.
+    pub(crate) fn add_found(&self, part: Real, q: &mut [Vec3]) {
+        for (&component, q) in self.component.iter().zip(q) {
+            if let Some(shift) = self.shift.get(component as usize) {
+                *q += shift * part;
+            }
+        }
     }
 }

@@ -182,9 +182,4 @@ impl ContactSystem {
             row.add_product(d, out);
         }
     }
-
-    /// Whether all contacts are self-contacts: no force comes from outside.
-    pub(crate) fn is_internal(&self) -> bool {
-        self.rows.iter().all(ContactRow::is_internal)
-    }
 }

@@ -283,8 +283,8 @@ impl PdSolver {
         self.restore_momentum(contact)
     }
 
-    /// Restores the momentum of cloth in contact with nothing but itself, which inertia gives; truncation vertex by
-    /// vertex does not keep it.
+    /// Restores the momentum of free components that touch nothing but each other, which inertia gives; truncation
+    /// vertex by vertex does not keep it.
     fn restore_momentum(&mut self, contact: &mut Contact<'_>) -> Result<(), ContactError> {
         let Method::QuasiNewton(method) = &mut self.method else {
             return Ok(());
@@ -296,22 +296,21 @@ impl PdSolver {
         }
         self.objective.write_positions(&mut self.point);
         method.linearize_contacts(&self.objective, &self.point, contact);
-        if let Some(system) = method.contact_system() {
-            components.find_supported(&system.rows);
-        }
-        let is_free = method.contact_system().is_some_and(|system| {
-            let mut vertices = system.rows.iter().flat_map(|row| row.vertices);
-            system.is_internal() && vertices.all(|vertex| components.contains(vertex))
-        });
-        let Some(contact) = contact.as_mut().filter(|_| is_free) else {
+        let rows = method
+            .contact_system()
+            .map_or(&[][..], |system| &system.rows);
+        components.find_supported(rows);
+        let q = &mut self.point.displacement;
+        let Some(contact) = contact else {
             return Ok(());
         };
-        let q = &mut self.point.displacement;
-        let shift = components.shift_together(self.objective.momentum(), q);
+        if !components.find_shifts(self.objective.momentum(), rows, q) {
+            return Ok(());
+        }
         self.feasible.copy_from_slice(&self.point.positions);
-        components.add(shift, &mut self.feasible);
+        components.add_found(1.0, &mut self.feasible);
         let fraction = contact.limit(&self.point.positions, &self.feasible)?;
-        components.add(shift * fraction, q);
+        components.add_found(fraction, q);
         self.point.is_evaluated = false;
         Ok(())
     }

@@ -136,11 +136,10 @@ fn cape(speed: &str) -> String {
 
 /// The folds that an edge leaves when it is suddenly drawn away slide over each other. Edges that turn as they slide
 /// come nearer by the square of their way, and every step along a straight direction would press them deeper: without
-/// the second-order correction the first ends two steps unbalanced, and the second is stretched to six times its
-/// length.
+/// the second-order correction the first ends two steps unbalanced, and the second is stretched by 42 %.
 #[test]
 fn folds_that_slide_over_each_other_do_not_press_each_other_flat() {
-    for (method, speed, most) in [("implicit-euler", "2", 0.1), ("pd", "3", 0.05)] {
+    for (method, speed, most) in [("implicit-euler", "2", 0.1), ("pd", "2.8", 0.05)] {
         let scene = scene(&format!("cape_{method}"), &cape(speed));
         let summary = watch(&scene, method, &[], 8, |_| {});
         let (stretch, given) = (summary.max_stretch_of_all, summary.energy_given);

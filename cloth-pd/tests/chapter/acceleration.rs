@@ -96,17 +96,18 @@ fn each_acceleration_needs_fewer_iterations_than_the_one_before() {
     assert!(counts.is_sorted_by(|a, b| *a > b + b / 3), "{counts:?}");
 }
 
-/// Fall of the centre of mass (m) and largest strain after half a second.
+/// Fall of the centre of mass (m) after half a second, and the largest strain, in the mean over the last five steps.
 fn half_a_second(model: &ClothModel, start: &State, mut solver: PdSolver) -> [Real; 2] {
     let mut state = start.clone();
-    for _ in 0..30 {
+    let mut strain = 0.0;
+    for step in 1..=30 {
         solver.step(&mut state, falling()).unwrap();
+        if step > 25 {
+            strain += 0.2 * Strain::of(&model.springs, &state.positions).max;
+        }
     }
     let height = |x: &[Vec3]| center_of_mass(&model.particles, x).z;
-    [
-        height(&start.positions) - height(&state.positions),
-        Strain::of(&model.springs, &state.positions).max,
-    ]
+    [height(&start.positions) - height(&state.positions), strain]
 }
 
 #[test]
@@ -131,7 +132,7 @@ fn a_few_iterations_fall_and_stretch_as_converged_ones_do() {
             "{fall} {expected:?}"
         );
         assert!(
-            (stretch / expected[1] - 1.0).abs() < 0.05,
+            (stretch / expected[1] - 1.0).abs() < 0.03,
             "{stretch} {expected:?}"
         );
     }

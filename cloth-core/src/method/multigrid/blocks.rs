@@ -1,7 +1,7 @@
 //! Vectors and blocks of the preconditioner: single precision, four lanes of which three count.
 
 use crate::math::{Mat3, Vec3};
-use wide::f32x4;
+use wide::{f32x4, f64x4};
 
 /// Three numbers and a zero. A register of four: loops over arrays become one of two lanes and single numbers, since
 /// the fourth lane is asked for by nobody.
@@ -62,6 +62,40 @@ impl Block {
         let products = self.0.map(|column| column * *x);
         let [a, b, c, _] = Lanes::transpose([products[0], products[1], products[2], Lanes::ZERO]);
         a + b + c
+    }
+}
+
+/// What rounding leaves of a diagonal block that is a sum of others, over its norm.
+const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// The inverse of a diagonal block, in double precision: what is soft in some direction and stiff in another, as a sheet
+/// at an angle to the axes, has an inverse that single precision rounds by more than its part in the stiff direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inverse([f64x4; 3]);
+
+impl Inverse {
+    pub(super) const ZERO: Self = Self([f64x4::ZERO; 3]);
+
+    /// Of a block. Where single precision has lost what is soft, the diagonal is larger by its rounding.
+    pub(super) fn of(block: &Mat3) -> Self {
+        let size = block.norm();
+        let is_known = |inverse: &Mat3| inverse.norm() * size * ROUNDING < 1.0;
+        let inverse = block
+            .try_inverse()
+            .filter(is_known)
+            .or_else(|| (block + Mat3::from_diagonal_element(size * ROUNDING)).try_inverse());
+        let inverse = inverse.unwrap_or_else(Mat3::zeros);
+        Self(
+            [0, 1, 2].map(|c| f64x4::new([inverse[(0, c)], inverse[(1, c)], inverse[(2, c)], 0.0])),
+        )
+    }
+
+    /// Inverse times vector.
+    #[inline(always)]
+    pub(super) fn times(&self, x: &Lanes) -> Lanes {
+        let [a, b, c, _] = x.to_array().map(|x| f64x4::splat(f64::from(x)));
+        let product = self.0[0] * a + self.0[1] * b + self.0[2] * c;
+        Lanes::new(product.to_array().map(|x| x as f32))
     }
 }
 

@@ -21,7 +21,7 @@
 //!
 //! With contacts between vertices all chunks are swept one after another on one thread, since these may couple any two.
 
-use super::blocks::{Block, Lanes, lanes, plus, vector};
+use super::blocks::{Block, Inverse, Lanes, lanes, plus, vector};
 use super::prolongation::Prolongation;
 use super::rank_one::RankOne;
 use crate::math::{Mat3, Vec3};
@@ -41,7 +41,7 @@ pub(super) struct Level {
     /// The lower half of the matrix (N/m), in the order of the pattern.
     pub(super) blocks: Vec<Block>,
     /// Inverses of the diagonal blocks (m/N); zero where nothing moves.
-    inverse: Vec<Block>,
+    inverse: Vec<Inverse>,
     is_free: Vec<bool>,
     /// Places of blocks whose column is in a chunk before, with their row.
     between: Vec<(u32, u32)>,
@@ -70,7 +70,7 @@ impl Level {
         let split = if count > ROWS { count } else { 0 };
         Self {
             blocks: vec![Block::ZERO; pattern.block_count()],
-            inverse: vec![Block::ZERO; count],
+            inverse: vec![Inverse::ZERO; count],
             right_hand_side: vec![Lanes::ZERO; count],
             solution: vec![Lanes::ZERO; count],
             residual: vec![Lanes::ZERO; count],
@@ -116,9 +116,9 @@ impl Level {
         map_reduce(
             &mut self.inverse[..],
             #[inline(always)]
-            |start, inverse: &mut [Block]| {
+            |start, inverse: &mut [Inverse]| {
                 for (row, inverse) in (start..).zip(inverse) {
-                    *inverse = Block::ZERO;
+                    *inverse = Inverse::ZERO;
                     if is_free[row] {
                         let mut block = blocks[pattern.row(row).end - 1].to_double();
                         if let Some(added) = added {
@@ -127,7 +127,7 @@ impl Level {
                         if let Some(beyond) = beyond.get(row) {
                             block += beyond.to_double();
                         }
-                        *inverse = Block::from(&block.try_inverse().unwrap_or_else(Mat3::zeros));
+                        *inverse = Inverse::of(&block);
                     }
                 }
                 []

@@ -86,7 +86,7 @@ fn contact_takes_as_much_energy_as_the_closed_forms_say() {
         let off = |Measured { expected, measured }: Measured| (measured.0 - expected.0).abs();
         for density in [0.2, 20.0] {
             let most = if name == "implicit-midpoint" {
-                4e-6
+                7e-6
             } else {
                 6e-8
             };
