@@ -85,18 +85,18 @@ fn solver(model: &ClothModel, config: ImplicitConfig) -> ImplicitEuler {
     builder.build().unwrap()
 }
 
-/// Springs of 10⁷ N/m in steps of 0.1 s: where Newton's method by multigrid fails as a fallback, too, the step ends
+/// Springs of 10¹⁰ N/m in steps of 0.1 s: where Newton's method by multigrid fails as a fallback, too, the step ends
 /// unconverged, and the cloth goes on falling.
 #[test]
 fn a_fallback_that_fails_is_no_error() {
-    let mesh = grid(8, 8, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let mesh = grid(6, 6, 1.0, 1.0, Diagonals::Alternating).unwrap();
     let cloth = Cloth {
         areal_density: 0.2,
-        membrane: Membrane::SpringStiffness(1e7),
+        membrane: Membrane::SpringStiffness(1e10),
         bending_rigidity: 1e-5,
     };
     let mut model = cloth.on(&mesh).unwrap();
-    for corner in [8 * 7, 8 * 8 - 1] {
+    for corner in [6 * 5, 6 * 6 - 1] {
         model.particles.prescribe(corner).unwrap();
     }
     let config = ImplicitConfig {

@@ -1,4 +1,4 @@
-//! The prolongation P: trilinear hat functions on a coarse lattice of cubes laid over the cloth at rest.
+//! The prolongation P: trilinear hat functions on coarse lattices of cubes, one over each piece of the cloth at rest.
 
 use cloth_core::element::Projective;
 use cloth_core::math::{Mat3, Real, Vec3};
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 #[derive(Debug)]
 pub(crate) struct Lattice {
     pub(crate) prolongation: Prolongation,
-    /// Positions of the nodes (m).
+    /// Positions of the nodes (m), piece after piece.
     pub(crate) node_positions: Vec<Vec3>,
 }
 
