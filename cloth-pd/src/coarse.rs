@@ -42,7 +42,7 @@
 //!
 //! [1]: crate#what-the-constant-matrix-loses-and-how-it-is-won-back
 
-use crate::components::{COUPLING_ROUNDING, FreeComponents};
+use crate::components::FreeComponents;
 use crate::global::GlobalSystem;
 use crate::lattice::{ElementProlongation, Lattice, PaddedBlock};
 use crate::local::Projections;
@@ -53,8 +53,6 @@ use cloth_core::method::chunked::map_reduce;
 use cloth_core::method::multigrid::{Multigrid, Prolongation};
 use cloth_core::method::vectors::add;
 use cloth_core::particles::Particles;
-use cloth_core::topology::joined;
-use sprs::CsMat;
 use std::sync::Arc;
 
 /// `Pᵀ H P`, and the levels below the lattice.
@@ -94,7 +92,7 @@ impl CoarseGrid {
         let Lattice {
             prolongation,
             node_positions,
-        } = Lattice::over(rest, is_free, &pieces(global.stiffness()), cells);
+        } = Lattice::over(rest, is_free, free_components.pieces(), cells);
         let nodes = |vertex: usize| prolongation.of_fine(vertex).iter();
         let mut pattern = PatternBuilder::new(node_positions.len());
         let mut around: Vec<u32> = Vec::new();
@@ -224,16 +222,6 @@ impl CoarseGrid {
     pub(crate) fn add_correction(&self, out: &mut [Vec3]) {
         add(out, 1.0, &self.correction);
     }
-}
-
-/// A number for each vertex, the same for all that the constant matrix couples.
-fn pieces(stiffness: &CsMat<Real>) -> Vec<u32> {
-    let largest = stiffness.data().iter().fold(0.0, |a: Real, b| a.max(*b));
-    let couplings = stiffness.iter().filter(|(value, (row, column))| {
-        row != column && value.abs() > COUPLING_ROUNDING * largest
-    });
-    let pairs = couplings.map(|(_, (row, column))| [row as u32, column as u32]);
-    joined(stiffness.rows(), pairs)
 }
 
 /// The block of every pair of nodes around a vertex, and the product of their weights.

@@ -21,6 +21,8 @@ use cloth_core::topology::DisjointSets;
 pub(crate) struct FreeComponents {
     /// Number of the component of each vertex, `CONSTRAINED` for vertices of components that are not free.
     component: Vec<u32>,
+    /// A number for each vertex, the same for all that elements couple, held ones too.
+    piece: Vec<u32>,
     /// Mass (kg) of each vertex, and of each component.
     vertex_mass: Vec<Real>,
     mass: Vec<Real>,
@@ -56,10 +58,11 @@ impl Momentum<'_> {
         }
     }
 
-    /// Δt D (kg) of a vertex.
-    fn drag(&self, vertex: usize) -> Mat3 {
-        let drag = self.drag.get(vertex);
-        drag.map_or_else(Mat3::zeros, |(drag, _)| drag * self.dt)
+    /// Adds Δt D (kg) of a vertex, if there is air.
+    fn add_drag(&self, vertex: usize, out: &mut Mat3) {
+        if let Some((drag, _)) = self.drag.get(vertex) {
+            *out += drag * self.dt;
+        }
     }
 
     /// The shift (m) by which vertices make up for what they lack together (kg·m), of their mass (kg) and drag (kg).
@@ -75,7 +78,7 @@ impl Momentum<'_> {
 const CONSTRAINED: u32 = u32::MAX;
 /// A row of `Σ w SᵀS` whose entries add up to more than this fraction of the largest diagonal entry resists a
 /// translation; a smaller entry couples nothing: it is the rounding that removed elements leave.
-pub(crate) const COUPLING_ROUNDING: Real = 1e-13;
+const ROUNDING: Real = 1e-13;
 
 impl FreeComponents {
     /// Finds the components in the entries of the lower half of `Σ w SᵀS` (N/m): row, column, value. It makes no
@@ -89,14 +92,14 @@ impl FreeComponents {
             sums[row] += value;
             if row != column {
                 sums[column] += value;
-                if value.abs() > COUPLING_ROUNDING * largest {
+                if value.abs() > ROUNDING * largest {
                     sets.join(row as u32, column as u32);
                 }
             }
         }
         let mut is_constrained = vec![false; count];
         for vertex in 0..count {
-            if particles.is_prescribed(vertex) || sums[vertex].abs() > COUPLING_ROUNDING * largest {
+            if particles.is_prescribed(vertex) || sums[vertex].abs() > ROUNDING * largest {
                 is_constrained[sets.root(vertex as u32) as usize] = true;
             }
         }
@@ -120,9 +123,15 @@ impl FreeComponents {
             touching: DisjointSets::default(),
             together: Vec::new(),
             vertex_mass: particles.mass().to_vec(),
+            piece: (0..count as u32).map(|vertex| sets.root(vertex)).collect(),
             component,
             mass,
         }
+    }
+
+    /// A number for each vertex, the same for all that elements couple.
+    pub(crate) fn pieces(&self) -> &[u32] {
+        &self.piece
     }
 
     /// Whether there is none.
@@ -165,7 +174,7 @@ impl FreeComponents {
             if let Some(shift) = self.shift.get_mut(component as usize) {
                 let mass = self.vertex_mass[vertex];
                 *shift += momentum.missing(vertex, mass, q[vertex]);
-                self.dragged[component as usize] += momentum.drag(vertex);
+                momentum.add_drag(vertex, &mut self.dragged[component as usize]);
             }
         }
         for (number, shift) in self.shift.iter_mut().enumerate() {
@@ -233,7 +242,7 @@ impl FreeComponents {
                 let root = self.touching.root(component) as usize;
                 let mass = self.vertex_mass[vertex];
                 self.shift[root] += momentum.missing(vertex, mass, q[vertex]);
-                self.dragged[root] += momentum.drag(vertex);
+                momentum.add_drag(vertex, &mut self.dragged[root]);
             }
         }
         for number in 0..count {
