@@ -6,6 +6,7 @@ mod cloth;
 mod contact;
 mod drives;
 pub mod file;
+mod gauges;
 mod held;
 mod inside;
 mod load;
@@ -36,7 +37,6 @@ use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
 use cloth_core::pin::{PinMotion, Pins};
 use cloth_core::step::BuildError;
-use cloth_core::topology::EdgeTable;
 use contact::{Contact, Surface};
 use midpoints::Midpoints;
 use std::sync::Arc;
@@ -274,18 +274,6 @@ impl Scene {
             .iter()
             .flat_map(|touch| touch.surfaces(time))
             .collect()
-    }
-
-    /// Springs to measure stretch by: those of the model, or one on every edge of a sheet whose membrane is made of
-    /// triangles.
-    pub fn gauges(&self) -> Result<Vec<Spring>, BenchError> {
-        match &self.mesh {
-            Some(mesh) if self.model.springs.is_empty() => {
-                let edges = EdgeTable::build(mesh)?;
-                Ok(Spring::along(mesh.positions(), edges.ends(), 0.0))
-            }
-            _ => Ok(self.model.springs.clone()),
-        }
     }
 }
 

@@ -44,6 +44,8 @@
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
+use cloth_core::topology::joined;
+use std::collections::BTreeMap;
 
 /// Coefficients of the law, measured (dimensionless).
 const IMPACT_COEFFICIENT: Real = 2.0;
@@ -162,7 +164,9 @@ pub struct SubstepRule {
 
 impl SubstepRule {
     /// The number of substeps for a step of `dt` (s). `springs` lie along the edges; their stiffness bounds the
-    /// number from above, unless all are zero.
+    /// number from above, unless all are zero. Pieces that no spring joins have each their own weight, edges and
+    /// stiffness, and the piece that needs most substeps decides. A spring of no length only joins: where a seam or
+    /// contact makes one piece carry another.
     ///
     /// # Panics
     /// If the wanted strain or the number of sweeps is not above 0.
@@ -178,47 +182,109 @@ impl SubstepRule {
 
     /// The longest substep (s) that leaves about the wanted strain, or no more than the elastic stretch of the springs.
     fn longest(&self, particles: &Particles, springs: &[Spring]) -> Real {
-        let free = particles.inverse_mass().iter().filter(|&&w| w > 0.0);
-        let (count, ease) = free.fold((0_u32, 0.0), |(count, sum), w| (count + 1, sum + w));
-        let lengths = springs.iter().map(|spring| spring.rest_length);
-        let mut lengths: Vec<Real> = lengths.filter(|&length| length > 0.0).collect();
-        if count == 0 || lengths.is_empty() {
+        let every: Vec<u32> = (0..particles.len() as u32).collect();
+        let Some(whole) = Piece::of(particles, &every, springs.iter()) else {
             return Real::INFINITY;
-        }
-        lengths.sort_by(Real::total_cmp);
-        // Light vertices are moved furthest.
-        let mass = Real::from(count) / ease;
-        let edge = lengths[lengths.len() / SHORT_EDGES];
-        let free = particles.mass().iter().zip(particles.inverse_mass());
-        let weight = free
-            .filter(|(_, w)| **w > 0.0)
-            .map(|(m, _)| m)
-            .sum::<Real>()
-            / mass;
-        let held = match particles.len() - count as usize {
-            0 => weight.sqrt(),
-            held => held as Real,
         };
+        let ends = springs.iter().map(|spring| spring.vertices);
+        let root = joined(particles.len(), ends);
+        let mut vertices: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (vertex, &root) in every.iter().zip(&root) {
+            vertices.entry(root).or_default().push(*vertex);
+        }
+        let mut own: BTreeMap<u32, Vec<&Spring>> = BTreeMap::new();
+        for spring in springs {
+            let root = root[spring.vertices[0] as usize];
+            own.entry(root).or_default().push(spring);
+        }
+        let own = own.into_iter();
+        let pieces = own.filter_map(|(root, own)| Piece::of(particles, &vertices[&root], own));
+        let passing = pieces.map(|piece| self.passing(&piece));
+        passing.fold(self.lasting(&whole), Real::min)
+    }
+
+    /// The longest substep (s) for the impact and the weight of a piece.
+    fn passing(&self, piece: &Piece) -> Real {
         let gravity = self.gravity.norm();
         let speed = (2.0 * gravity * self.fall.max(0.0)).sqrt() + self.driven.max(0.0);
         // b h + a h² = ε
-        let b = IMPACT_COEFFICIENT * speed / edge;
-        let a = WEIGHT_COEFFICIENT * gravity * weight / (held * edge);
+        let b = IMPACT_COEFFICIENT * speed / piece.edge;
+        let a = WEIGHT_COEFFICIENT * gravity * piece.carried / piece.edge;
         let strain = self.strain * Real::from(self.iterations);
         let wanted = 2.0 * strain / (b + (b * b + 4.0 * a * strain).sqrt());
-        let stiffness = springs.iter().map(|spring| spring.stiffness);
-        let stiffest = stiffness.fold(0.0, Real::max);
-        let passing = match stiffest > 0.0 {
-            true => wanted.max((mass / (2.0 * stiffest)).sqrt()),
+        match piece.stiffest > 0.0 {
+            true => wanted.max((piece.mass / (2.0 * piece.stiffest)).sqrt()),
             false => wanted,
-        };
-        let added = match stiffest > 0.0 && stiffest.is_finite() {
+        }
+    }
+
+    /// The longest substep (s) for the tension that lasts.
+    fn lasting(&self, whole: &Piece) -> Real {
+        let strain = self.strain * Real::from(self.iterations);
+        let added = match whole.stiffest > 0.0 && whole.stiffest.is_finite() {
             // Sweeps divide what they leave, and not what the springs do.
-            true => (TENSION_FRACTION * self.tension / stiffest * Real::from(self.iterations))
-                .max(NEGLIGIBLE_FRACTION * strain),
+            true => (TENSION_FRACTION * self.tension / whole.stiffest
+                * Real::from(self.iterations))
+            .max(NEGLIGIBLE_FRACTION * strain),
             false => TENSION_FRACTION * strain,
         };
         // 0.65 T h²/m, divided by the sweeps.
-        passing.min((added * mass / (TENSION_COEFFICIENT * self.tension)).sqrt())
+        (added * whole.mass / (TENSION_COEFFICIENT * self.tension)).sqrt()
+    }
+}
+
+/// What the law takes of vertices that springs join.
+struct Piece {
+    /// The mass m (kg) of a vertex: the harmonic mean, as light vertices are moved furthest.
+    mass: Real,
+    /// The length l (m) of an edge: few are shorter.
+    edge: Real,
+    /// V/P: how many vertices of that mass an end of a spring carries.
+    carried: Real,
+    /// The largest stiffness (N/m).
+    stiffest: Real,
+}
+
+impl Piece {
+    /// None if nothing in it can move, or no spring has a length.
+    fn of<'a>(
+        particles: &Particles,
+        vertices: &[u32],
+        springs: impl IntoIterator<Item = &'a Spring>,
+    ) -> Option<Self> {
+        let mut lengths = Vec::new();
+        let mut stiffest = 0.0;
+        for spring in springs
+            .into_iter()
+            .filter(|spring| spring.rest_length > 0.0)
+        {
+            lengths.push(spring.rest_length);
+            stiffest = spring.stiffness.max(stiffest);
+        }
+        let (mut count, mut ease, mut whole) = (0_usize, 0.0, 0.0);
+        for &vertex in vertices {
+            let inverse = particles.inverse_mass()[vertex as usize];
+            if inverse > 0.0 {
+                count += 1;
+                ease += inverse;
+                whole += particles.mass()[vertex as usize];
+            }
+        }
+        if count == 0 || lengths.is_empty() {
+            return None;
+        }
+        lengths.sort_by(Real::total_cmp);
+        let mass = count as Real / ease;
+        let weight = whole / mass;
+        let held = match vertices.len() - count {
+            0 => weight.sqrt(),
+            held => held as Real,
+        };
+        Some(Self {
+            mass,
+            edge: lengths[lengths.len() / SHORT_EDGES],
+            carried: weight / held,
+            stiffest,
+        })
     }
 }

@@ -144,7 +144,7 @@ fn substeps(
         iterations,
     };
     let particles = &scene.model.particles;
-    Ok(rule.substeps(particles, &scene.gauges()?, dt))
+    Ok(rule.substeps(particles, &scene.joined_gauges()?, dt))
 }
 
 pub(super) fn pbd(settings: &Settings, substeps: u32) -> Result<PbdConfig, BenchError> {

@@ -370,6 +370,11 @@ impl ContactSetup {
         alone || !self.is_on
     }
 
+    /// Whether the cloth can touch itself.
+    pub(super) fn touches_itself(&self) -> bool {
+        self.self_collision && self.is_on
+    }
+
     /// Whether what hits something leaves it with a given part of its speed, which is not zero.
     pub(crate) fn rebounds(&self) -> bool {
         self.restitution.is_some_and(|part| part > 0.0) && !self.is_idle()

@@ -42,6 +42,23 @@ fn a_stretch_on_the_way_is_told_with_its_step() {
     assert!(!said.contains("stretched"), "{said}");
 }
 
+/// Two pieces, of which triangles make one: it is measured too.
+#[test]
+fn pieces_of_springs_and_of_triangles_are_both_measured() {
+    for membrane in ["springs", "stvk", "arap"] {
+        let pulled = pulled(0.8).replace("9, 9]", "9, 1]");
+        let scene = format!(
+            "[cloth]\nmembrane = \"{membrane}\"\n[[mesh]]\ngenerator = \"grid:2x2:alternating\"\n\
+             translate = [0, 0, 5]\n[mesh.cloth]\nmembrane = \"springs\"\n"
+        );
+        let scene = pulled.replacen("[[mesh]]", &format!("{scene}[[mesh]]"), 1);
+        let (code, said, end) = run("pulled-one-of-two", &scene, "implicit-euler");
+        assert_eq!(code, 0, "{said}");
+        let most = end["max_stretch_of_all"].as_f64().unwrap();
+        assert!((most - 0.8).abs() < 1e-9, "{membrane}: {most}");
+    }
+}
+
 /// A ball of linear cloth has an equilibrium up to `½ p R = Y/(4 (1 − ν))`, 937.5 N/m for Y = 2500 N/m and ν = 1/3, and
 /// is twice as wide as at rest there.
 #[test]

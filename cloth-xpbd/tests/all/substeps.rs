@@ -1,11 +1,12 @@
 //! The number of substeps that the rule chooses leaves no more strain than wanted, and not far less.
 
 use cloth_core::cloth::{Cloth, Membrane};
+use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
-use cloth_core::particles::State;
+use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::{SubstepRule, XpbdConfig, XpbdSolver};
 
@@ -238,4 +239,60 @@ fn the_table_of_the_rule_is_what_it_leaves() {
         let error = (100.0 * strain / percent - 1.0).abs();
         assert!(error < within, "{name}: {strain}");
     }
+}
+
+/// A fine light sheet beside a coarse heavy one of another stiffness: each on its own would take some number, and both
+/// take the larger one. Joined, the light one carries the heavy one, which takes many more.
+#[test]
+fn pieces_that_nothing_joins_need_no_more_substeps_than_alone() {
+    let rule = SubstepRule {
+        strain: 0.1,
+        gravity: ACROSS,
+        fall: 1.0,
+        driven: 0.0,
+        tension: 0.0,
+        iterations: 1,
+    };
+    let piece = |n: usize, density: Real, k: Real| {
+        let cloth = Cloth {
+            areal_density: density,
+            membrane: Membrane::SpringStiffness(k),
+            bending_rigidity: 0.0,
+        };
+        let model = cloth.on(&square(n, 1.0)).unwrap();
+        let mass = model.particles.mass().to_vec();
+        (mass, vec![0, n as u32 - 1], model.springs)
+    };
+    let count = |pieces: &[(Vec<Real>, Vec<u32>, Vec<Spring>)], is_joined: bool| {
+        let (mut mass, mut held, mut springs) = (Vec::new(), Vec::new(), Vec::new());
+        for (own, pins, edges) in pieces {
+            let first = mass.len() as u32;
+            mass.extend(own);
+            held.extend(pins.iter().map(|v| v + first));
+            let moved = edges.iter().map(|spring| Spring {
+                vertices: spring.vertices.map(|v| v + first),
+                ..*spring
+            });
+            springs.extend(moved);
+        }
+        let mut particles = Particles::new(mass).unwrap();
+        held.iter()
+            .for_each(|&vertex| particles.prescribe(vertex as usize).unwrap());
+        if is_joined {
+            let last = particles.len() as u32 - 1;
+            springs.push(Spring {
+                vertices: [0, last],
+                rest_length: 0.0,
+                stiffness: 0.0,
+            });
+        }
+        rule.substeps(&particles, &springs, 1.0 / 60.0)
+    };
+    let (fine, heavy) = (piece(33, 0.1, 3e4), piece(9, 5.0, 1e3));
+    let alone = [&fine, &heavy].map(|piece| count(std::slice::from_ref(piece), false));
+    let beside = count(&[fine.clone(), heavy.clone()], false);
+    let joined = count(&[fine, heavy], true);
+    println!("{alone:?} alone, {beside} beside, {joined} joined");
+    assert_eq!(beside, alone[0].max(alone[1]));
+    assert!(joined > 2 * beside);
 }
