@@ -10,6 +10,10 @@
 //! origin is `w Σ z × p` over the rows z of S x⁺: zero only if p is the projection of x⁺, at convergence. What is left
 //! then is that of implicit Euler, `−Δt² Σ v[1] × f(x[1])` in a step, f the internal forces.
 
+mod pieces;
+
+pub(crate) use pieces::Pieces;
+
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::particles::Particles;
@@ -130,8 +134,13 @@ impl FreeComponents {
     }
 
     /// A number for each vertex, the same for all that elements couple.
-    pub(crate) fn pieces(&self) -> &[u32] {
+    pub(crate) fn piece_of_each(&self) -> &[u32] {
         &self.piece
+    }
+
+    /// The pieces that elements couple.
+    pub(crate) fn pieces(&self) -> Pieces {
+        Pieces::new(&self.piece)
     }
 
     /// Whether there is none.

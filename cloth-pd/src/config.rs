@@ -39,6 +39,9 @@ pub struct PdConfig {
     /// pairs are much too near, directions that only take them apart have small decrements: a sheet stretched over two
     /// poles then ended with a tenth to a third of the friction missing, for good.
     ///
+    /// All of these are asked of each piece that elements couple (of `G` of all together): a light piece beside a heavy
+    /// one hardly counts in a norm over both, and would end wherever it is.
+    ///
     /// A method without pairs (`history: 0`, plain, Chebyshev) makes at least 30 iterations in contact, and its ε is
     /// 0.3 τ from the first on. Without contact ε is smaller where pins move because strain that a step leaves where a
     /// pin has pulled adds up over the steps.

@@ -55,7 +55,7 @@
 //! from x in every iteration, so errors of solves do not add up. In single precision two values of `G` could not be
 //! told apart below some 10⁻⁷ of their size.
 
-use crate::components::{FreeComponents, Momentum};
+use crate::components::{FreeComponents, Momentum, Pieces};
 use crate::contact::Contact;
 use crate::local::Projections;
 use crate::quadratic::{Padded, Quadratic};
@@ -80,6 +80,8 @@ pub(crate) struct Objective {
     quadratic: Quadratic,
     /// Attachments that came after the solver was built; without stiffness where one has gone.
     pub(crate) attachments: Vec<Attachment>,
+    /// What is measured piece by piece.
+    pub(crate) pieces: Pieces,
     /// x[0] (m).
     from: Vec<Vec3>,
     /// u (m).
@@ -148,6 +150,7 @@ impl Objective {
         Self {
             quadratic: Quadratic::of(particles.len(), &families),
             attachments: Vec::new(),
+            pieces: Pieces::default(),
             particles,
             families,
             from: zeros.clone(),
@@ -365,29 +368,38 @@ impl Objective {
         squares.sum::<Real>().sqrt()
     }
 
-    /// `‖M (x − x̃)/Δt²‖` in the same metric (N/√kg): the forces that it takes to end at the point.
-    pub(crate) fn inertial_norm(&self, point: &Point) -> Real {
+    /// Of each piece `‖x − x̃‖²_M/Δt²` (J) at the point: the change of velocity by elastic and contact forces.
+    pub(crate) fn find_forced(&self, point: &Point, out: &mut Vec<Real>) {
         let forced = |vertex: usize| point.displacement[vertex] - self.inertial[vertex];
-        self.mass_norm(forced) / (self.dt * self.dt)
+        self.sum_by_mass(out, forced);
     }
 
-    /// `‖x − x[0]‖_M/Δt` (√J): the velocity with which the step would end at the point.
-    pub(crate) fn speed(&self, point: &Point) -> Real {
-        self.mass_norm(|vertex| point.displacement[vertex]) / self.dt
+    /// Of each piece `‖x − x[0]‖²_M/Δt²` (J): the velocity with which the step would end at the point.
+    pub(crate) fn find_speeds(&self, point: &Point, out: &mut Vec<Real>) {
+        self.sum_by_mass(out, |vertex| point.displacement[vertex]);
     }
 
-    /// `‖x‖_M/Δt` (√J) at the point: what a rounding error of positions makes of velocities, over the relative error.
-    pub(crate) fn position_speed(&self, point: &Point) -> Real {
-        self.mass_norm(|vertex| point.positions[vertex]) / self.dt
+    /// Of each piece `‖x‖²_M/Δt²` (J) at the point: what a rounding error of positions makes of velocities, over the
+    /// relative error.
+    pub(crate) fn find_ways(&self, point: &Point, out: &mut Vec<Real>) {
+        self.sum_by_mass(out, |vertex| point.positions[vertex]);
     }
 
-    /// Norm in the metric of M (m √kg) of what free vertices have.
-    fn mass_norm(&self, of: impl Fn(usize) -> Vec3) -> Real {
-        let particles = &self.particles;
-        let free = particles.mass().iter().enumerate();
-        let free = free.filter(|(vertex, _)| !particles.is_prescribed(*vertex));
-        let squares = free.map(|(vertex, mass)| mass * of(vertex).norm_squared());
-        squares.sum::<Real>().sqrt()
+    /// Of each piece `Δt² ‖∇G‖²` (J) in the norm of M⁻¹: the change of velocity by the forces that are left.
+    pub(crate) fn find_left(&self, point: &Point, out: &mut Vec<Real>) {
+        let inverse_mass = self.particles.inverse_mass();
+        let square = |vertex: usize| inverse_mass[vertex] * point.gradient[vertex].norm_squared();
+        self.pieces.sum(out, |v| square(v) * self.dt * self.dt);
+    }
+
+    /// Sums over each piece in the metric of M, over Δt² (J), what free vertices have (m).
+    fn sum_by_mass(&self, out: &mut Vec<Real>, of: impl Fn(usize) -> Vec3) {
+        let (particles, per_time) = (&self.particles, 1.0 / (self.dt * self.dt));
+        self.pieces
+            .sum(out, |vertex| match particles.is_prescribed(vertex) {
+                true => 0.0,
+                false => particles.mass()[vertex] * per_time * of(vertex).norm_squared(),
+            });
     }
 }
 

@@ -96,9 +96,9 @@ pub(crate) struct QuasiNewton {
     /// The direction of descent (m), and the slope of `G` along it (J).
     direction: Vec<Vec3>,
     slope: Real,
-    /// `gᵀ B g` (J) with the last direction before anything shortened it, B the inverse Hessian of the method: the
-    /// square of the Newton decrement.
-    decrement: Real,
+    /// Of each piece `gᵀ B g` (J) with the last direction before anything shortened it, B the inverse Hessian of the
+    /// method: the square of the Newton decrement. Empty where it is not known.
+    decrements: Vec<Real>,
     next: Point,
     /// In steps with contact, from the first direction on; and the first radius (m).
     radius: Option<TrustRadius>,
@@ -122,7 +122,7 @@ impl QuasiNewton {
             work: zeros.clone(),
             direction: zeros,
             slope: 0.0,
-            decrement: Real::INFINITY,
+            decrements: Vec::new(),
             next: Point::new(vertex_count),
             radius: None,
             first_radius: 0.0,
@@ -169,10 +169,12 @@ impl QuasiNewton {
         } else {
             done.solves = self.find_direction(global, coarse, point);
         }
-        self.decrement = match self.slope < 0.0 {
-            true => -self.slope,
-            false => Real::INFINITY, // the pairs mislead
-        };
+        let (gradient, direction) = (&point.gradient, &self.direction);
+        let along = |vertex: usize| -gradient[vertex].dot(&direction[vertex]);
+        objective.pieces.sum(&mut self.decrements, along);
+        if self.slope >= 0.0 {
+            self.decrements.clear(); // the pairs mislead
+        }
         let found = match contact {
             None => self.search(objective, point, 1.0, contact, &mut done),
             Some(_) => self.search_in_contact(objective, point, contact, &mut done)?,
@@ -186,7 +188,7 @@ impl QuasiNewton {
         // it lacks one that has come to count, because springs beside it are gone, the length that is found is taken,
         // or the last that was tried, which is next to nothing.
         self.memory.clear();
-        self.decrement = Real::INFINITY;
+        self.decrements.clear();
         done.solves += self.find_plain_direction(global, point);
         if contact.is_some() {
             self.shorten_to_radius();
@@ -318,9 +320,9 @@ impl QuasiNewton {
         }
     }
 
-    /// The square of the Newton decrement (J) where the last iteration began.
-    pub(crate) fn decrement(&self) -> Real {
-        self.decrement
+    /// The square of the Newton decrement (J) of each piece where the last iteration began, if it is known.
+    pub(crate) fn decrements(&self) -> Option<&[Real]> {
+        (!self.decrements.is_empty()).then_some(&self.decrements[..])
     }
 
     /// The contacts of the last point, if there can be any.

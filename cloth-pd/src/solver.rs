@@ -18,7 +18,7 @@ use cloth_core::contact::{ContactError, FadingTruncation};
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
-use end::Relapses;
+use end::{PieceNorms, Relapses};
 
 /// Projective dynamics; see the [crate documentation](crate).
 ///
@@ -69,6 +69,7 @@ pub struct PdSolver {
     truncation: FadingTruncation,
     /// `v[1]` (m/s).
     velocities: Vec<Vec3>,
+    norms: PieceNorms,
 }
 
 /// The acceleration and its memory.
@@ -206,6 +207,7 @@ impl PdSolver {
         }
         if are_attachments_stale || is_stale {
             self.free_components = objective.free_components(self.global.stiffness());
+            objective.pieces = self.free_components.pieces();
         }
         if !is_stale {
             if let (true, Some(coarse)) = (are_attachments_stale, &mut self.coarse) {

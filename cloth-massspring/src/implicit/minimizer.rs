@@ -1,5 +1,6 @@
 //! The minimisation of one stage: which method begins, when it is done, and which takes over.
 
+mod clear_path;
 mod extrapolation;
 mod linearized_step;
 mod second_order;
@@ -451,8 +452,8 @@ impl Minimizer {
         if !method.restore_momentum_together(&task.stage, &**source, to) {
             return Ok(false);
         }
-        let limited = source.limit(&self.current.positions, &self.next.positions);
-        Ok(limited.map_err(|reason| task.refused(reason))? == 1.0)
+        let path = [&self.current.positions[..], &self.next.positions];
+        clear_path::is_clear(task, &mut **source, path, &mut self.shortened)
     }
 
     /// The fraction of the direction, `most` of it at most, that is free of crossings.

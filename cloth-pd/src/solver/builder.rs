@@ -1,5 +1,6 @@
 //! The builder of the solver: elements, coarse grid and settings, checked and assembled.
 
+use super::end::PieceNorms;
 use super::{Method, PdSolver};
 use crate::chebyshev::Chebyshev;
 use crate::coarse::CoarseGrid;
@@ -174,6 +175,7 @@ impl PdBuilder {
         };
         let mut objective = Objective::new(self.particles, families);
         let free_components = objective.free_components(global.stiffness());
+        objective.pieces = free_components.pieces();
         let (particles, families) = (&objective.particles, &mut objective.families);
         let coarse = match (&method, &self.coarse) {
             (Method::QuasiNewton(_), Some((rest, cells))) => {
@@ -205,6 +207,7 @@ impl PdBuilder {
             feasible: zeros.clone(),
             truncation: FadingTruncation::default(),
             velocities: zeros,
+            norms: PieceNorms::default(),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{DECREASE_WINDOW, Method, PdSolver};
 use crate::contact::Contact;
+use crate::objective::{Objective, Point};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::StepReport;
 
@@ -43,6 +44,39 @@ impl Relapses {
     }
 }
 
+/// Squares of velocities (J, in the norm of M) of each piece at a point.
+#[derive(Debug, Default)]
+pub(super) struct PieceNorms {
+    /// The changes by elastic and contact forces.
+    forced: Vec<Real>,
+    speeds: Vec<Real>,
+    /// What positions themselves would be in a step.
+    ways: Vec<Real>,
+    /// The changes by the forces that are left.
+    left: Vec<Real>,
+}
+
+impl PieceNorms {
+    fn find(&mut self, objective: &Objective, point: &Point) {
+        objective.find_forced(point, &mut self.forced);
+        objective.find_speeds(point, &mut self.speeds);
+        objective.find_ways(point, &mut self.ways);
+        objective.find_left(point, &mut self.left);
+    }
+
+    /// The change of velocity by elastic and contact forces; not less than what counts as zero.
+    fn velocity(&self, piece: usize) -> Real {
+        let by_speed = NEGLIGIBLE_SPEED.powi(2) * self.speeds[piece];
+        let by_way = NEGLIGIBLE_WAY.powi(2) * self.ways[piece];
+        self.forced[piece].max(by_speed).max(by_way)
+    }
+
+    fn is_in_free_fall(&self, piece: usize) -> bool {
+        let imperceptible = NEGLIGIBLE_SPEED.powi(2) * self.speeds[piece];
+        self.forced[piece].max(self.left[piece]) <= imperceptible
+    }
+}
+
 impl PdSolver {
     /// Whether the tolerance is met at the point.
     pub(super) fn is_converged(
@@ -69,62 +103,66 @@ impl PdSolver {
     }
 
     /// Whether the cloth is in free fall: no force but gravity and the load is felt at the point.
-    pub(super) fn is_in_free_fall(&self) -> bool {
-        let (objective, point) = (&self.objective, &self.point);
-        let imperceptible = NEGLIGIBLE_SPEED * objective.speed(point) / objective.dt();
-        self.config.tolerance.is_none()
-            && objective.inertial_norm(point) <= imperceptible
-            && objective.norm(&point.gradient) <= imperceptible
+    pub(super) fn is_in_free_fall(&mut self) -> bool {
+        if self.config.tolerance.is_some() {
+            return false;
+        }
+        self.norms.find(&self.objective, &self.point);
+        (0..self.norms.left.len()).all(|piece| self.norms.is_in_free_fall(piece))
     }
 
     /// Whether the forces at the point are in balance, in a step with active contacts and without a tolerance: cloth
     /// that lies still is done in a few iterations.
-    pub(super) fn is_balanced(&self) -> bool {
+    pub(super) fn is_balanced(&mut self) -> bool {
         if self.config.tolerance.is_some() || !self.has_contact() {
             return false;
         }
-        let objective = &self.objective;
-        let forces = objective.inertial_norm(&self.point);
         let tolerance = match self.config.iterations {
             Some(_) => BALANCE_TOLERANCE,
             None => BALANCED_VELOCITIES * self.config.velocity_tolerance,
         };
-        objective.norm(&self.point.gradient) <= tolerance * forces
+        self.norms.find(&self.objective, &self.point);
+        let norms = &self.norms;
+        (0..norms.left.len()).all(|piece| {
+            norms.left[piece] <= tolerance * tolerance * norms.forced[piece]
+                || norms.is_in_free_fall(piece)
+        })
     }
 
     /// Whether the forces at the point, in a step with active contacts, are no larger than those that it takes to end
     /// where it does (in the norm of M⁻¹). A direction that only takes pairs apart that are much too near has a small
     /// decrement, while the rest of the cloth is not where it will be.
-    pub(super) fn is_near_balance(&self) -> bool {
-        let forces = self.objective.norm(&self.point.gradient);
-        !self.has_contact() || forces * self.objective.dt() <= self.velocity()
-    }
-
-    /// The change of velocity by elastic and contact forces, in the norm of M (√kg m/s); not less than what counts as
-    /// zero.
-    fn velocity(&self) -> Real {
-        let forced = self.objective.inertial_norm(&self.point) * self.objective.dt();
-        forced
-            .max(NEGLIGIBLE_SPEED * self.objective.speed(&self.point))
-            .max(NEGLIGIBLE_WAY * self.objective.position_speed(&self.point))
+    pub(super) fn is_near_balance(&mut self) -> bool {
+        if !self.has_contact() {
+            return true;
+        }
+        self.norms.find(&self.objective, &self.point);
+        let norms = &self.norms;
+        (0..norms.left.len()).all(|piece| norms.left[piece] <= norms.velocity(piece))
     }
 
     /// How far velocities are from those of the minimum, over what `fraction` of the tolerance asks, squared: first by
-    /// the Newton decrement of the last direction, then by `decrease` (J), that of `G` in [`DECREASE_WINDOW`]
-    /// iterations.
+    /// the Newton decrement of the last direction, of the piece that is farthest, then by `decrease` (J), that of `G` in
+    /// [`DECREASE_WINDOW`] iterations, of all pieces together.
     /// Pairs that do not fit the Hessian can make the first too small. Where no direction leads down any more, as at
     /// the speed at which the air carries a sheet, the gradient bounds it: the Hessian is at least M/Δt².
-    pub(super) fn velocity_errors(&self, fraction: Real, decrease: Real) -> [Real; 2] {
+    pub(super) fn velocity_errors(&mut self, fraction: Real, decrease: Real) -> [Real; 2] {
         let Method::QuasiNewton(method) = &self.method else {
             return [Real::INFINITY; 2];
         };
-        let enough = (fraction * self.config.velocity_tolerance * self.velocity()).powi(2);
-        let decrement = match method.decrement() {
-            known if known.is_finite() => known,
-            _ => (self.objective.norm(&self.point.gradient) * self.objective.dt()).powi(2),
+        self.norms.find(&self.objective, &self.point);
+        let norms = &self.norms;
+        let wanted = (fraction * self.config.velocity_tolerance).powi(2);
+        let over = |error: Real, velocity: Real| match error == 0.0 {
+            true => 0.0,
+            false => error / (wanted * velocity),
         };
-        let over = |error: Real| if error == 0.0 { 0.0 } else { error / enough };
-        [over(decrement), over(decrease / DECREASE_WINDOW as Real)]
+        let errors = method.decrements().unwrap_or(&norms.left);
+        let velocities = (0..norms.left.len()).map(|piece| norms.velocity(piece));
+        let all: Real = velocities.clone().sum();
+        let by_piece = errors.iter().zip(velocities).map(|(e, v)| over(e.abs(), v));
+        let farthest = by_piece.fold(0.0, Real::max);
+        [farthest, over(decrease / DECREASE_WINDOW as Real, all)]
     }
 
     /// Whether the last direction was one of Newton's method.

@@ -34,9 +34,9 @@ impl Minimizer {
         let solved = newton::solve_once(self, task, report);
         let end = &self.current.positions;
         let is_apart = solved.and_then(|()| {
-            let limited = source.limit(&start, end);
-            let safe = limited.map_err(|reason| task.refused(reason))?;
-            Ok(safe == 1.0 && source.add_gradient(end, &mut self.next.gradient) == 0.0)
+            let path = [&start[..], end];
+            let is_clear = clear_path::is_clear(task, &mut **source, path, &mut self.direction)?;
+            Ok(is_clear && source.add_gradient(end, &mut self.next.gradient) == 0.0)
         });
         match is_apart {
             Ok(true) => self.notify(observer, 1),
