@@ -38,3 +38,24 @@ fn a_sheet_that_is_towed_swings_as_one_at_rest() {
         );
     }
 }
+
+/// A linearised step is one linear solve where nothing is touched, however far the cloth moves in it. A path of ten
+/// thicknesses is as far as contact tests at once: beyond, such steps took 60 iterations each and ended elsewhere.
+#[test]
+fn a_linearised_swing_above_a_body_far_away_is_the_same_to_the_bit() {
+    let swing = |body: &str| {
+        let text = format!(
+            "dt = 0.03\n[[mesh]]\ngenerator = \"grid:17x17:alternating\"\n[[pins]]\nselect = \"corners\"\n{body}"
+        );
+        let scene = scene("linearised_swing", &text);
+        let mut last = Vec::new();
+        let summary = watch(&scene, "linear-implicit", &[], 20, |moment| {
+            last.clone_from(&moment.state.positions);
+        });
+        (last, summary.iterations)
+    };
+    let body = "[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nposition = [20, 0, 0]\n[contact]\nthickness = 5e-4\n";
+    let (alone, above) = (swing(""), swing(body));
+    assert_eq!(alone.1, 20);
+    assert!(alone == above, "{} iterations", above.1);
+}
