@@ -401,6 +401,7 @@ mod filter;
 mod forces;
 mod free;
 mod friction;
+mod groups;
 mod handed;
 mod last_resort;
 mod mollifier;

@@ -53,18 +53,21 @@
 //! *Tried in vain* against missing folds ([limits](crate#limits)): a start extrapolated with the last change of
 //! velocity, pairs kept from the step before, hats that are splines, blocks of the Hessian's diagonal as a third term.
 
+mod memory;
+
 use crate::coarse::CoarseGrid;
+use crate::components::Pieces;
 use crate::contact::{Contact, ContactSystem};
 use crate::global::GlobalSystem;
 use crate::newton::TruncatedNewton;
 use crate::objective::{Objective, Point};
 use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::limited_memory::LimitedMemory;
 use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 use cloth_core::method::parallel::join;
 use cloth_core::method::trust::{TrustRadius, longest};
 use cloth_core::method::vectors::dot;
+use memory::Memory;
 
 /// Two values of `G` that differ by less than this fraction of their size cannot be told apart.
 pub(crate) const ROUNDING: Real = 1e-12;
@@ -91,7 +94,7 @@ const RADIUS_SHRINK_BELOW: Real = 0.5;
 pub(crate) struct QuasiNewton {
     /// Pairs that were asked for.
     requested: usize,
-    memory: LimitedMemory<f64>,
+    memory: Memory,
     work: Vec<Vec3>,
     /// The direction of descent (m), and the slope of `G` along it (J).
     direction: Vec<Vec3>,
@@ -99,6 +102,8 @@ pub(crate) struct QuasiNewton {
     /// Of each piece `gᵀ B g` (J) with the last direction before anything shortened it, B the inverse Hessian of the
     /// method: the square of the Newton decrement. Empty where it is not known.
     decrements: Vec<Real>,
+    /// Pieces that have ended, of several that are not in contact; empty where none has.
+    ended: Vec<bool>,
     next: Point,
     /// In steps with contact, from the first direction on; and the first radius (m).
     radius: Option<TrustRadius>,
@@ -114,15 +119,17 @@ pub(crate) struct QuasiNewton {
 }
 
 impl QuasiNewton {
-    pub(crate) fn new(history: usize, vertex_count: usize) -> Self {
+    pub(crate) fn new(history: usize, pieces: &Pieces) -> Self {
+        let vertex_count = pieces.vertex_count();
         let zeros = vec![Vec3::zeros(); vertex_count];
         Self {
             requested: history,
-            memory: LimitedMemory::new(vertex_count, history),
+            memory: Memory::new(pieces, history),
             work: zeros.clone(),
             direction: zeros,
             slope: 0.0,
             decrements: Vec::new(),
+            ended: Vec::new(),
             next: Point::new(vertex_count),
             radius: None,
             first_radius: 0.0,
@@ -139,6 +146,7 @@ impl QuasiNewton {
     /// method.
     pub(crate) fn begin(&mut self, in_contact: Option<&[Vec3]>, before_newton: u32) {
         (self.iterations, self.before_newton) = (0, before_newton);
+        self.ended.clear();
         self.radius = None;
         self.first_radius = INITIAL_RADIUS_RATIO * in_contact.map_or(0.0, longest);
         self.memory.clear_for(match (self.requested, in_contact) {
@@ -168,6 +176,10 @@ impl QuasiNewton {
             }
         } else {
             done.solves = self.find_direction(global, coarse, point);
+        }
+        if !self.ended.is_empty() && !self.uses_newton_direction() {
+            objective.pieces.clear(&self.ended, &mut self.direction);
+            self.slope = dot(&point.gradient, &self.direction);
         }
         let (gradient, direction) = (&point.gradient, &self.direction);
         let along = |vertex: usize| -gradient[vertex].dot(&direction[vertex]);
@@ -304,6 +316,11 @@ impl QuasiNewton {
         self.newton = None;
     }
 
+    /// Elements couple other vertices.
+    pub(crate) fn set_pieces(&mut self, pieces: &Pieces) {
+        self.memory.set_pieces(pieces);
+    }
+
     /// Linearises the contacts at the point.
     pub(crate) fn linearize_contacts(
         &mut self,
@@ -323,6 +340,15 @@ impl QuasiNewton {
     /// The square of the Newton decrement (J) of each piece where the last iteration began, if it is known.
     pub(crate) fn decrements(&self) -> Option<&[Real]> {
         (!self.decrements.is_empty()).then_some(&self.decrements[..])
+    }
+
+    /// Leaves pieces where they are from now on in this step, if there are others. What is left of their forces is
+    /// rounding, or near it, and pairs of such forces lead anywhere, which the values of all pieces together do not show.
+    pub(crate) fn end(&mut self, ended: &[bool]) {
+        self.ended.clear();
+        if ended.contains(&true) && ended.contains(&false) {
+            self.ended.extend_from_slice(ended);
+        }
     }
 
     /// The contacts of the last point, if there can be any.
@@ -457,8 +483,8 @@ impl QuasiNewton {
     fn accept(&mut self, point: &mut Point, length: Real) {
         std::mem::swap(point, &mut self.next);
         let (old, new) = (&self.next.gradient, &point.gradient);
-        self.memory
-            .push(length, self.slope, &self.direction, old, new);
+        let step = (length, self.slope);
+        self.memory.push(step, &self.direction, old, new);
     }
 }
 
@@ -534,10 +560,11 @@ mod tests {
         objective.evaluate(&mut plain, &None);
         assert!(plain.value > 2.0 * point.value, "{}", plain.value);
 
-        let mut method = QuasiNewton::new(1, 25);
+        objective.pieces = Pieces::new(&[0; 25]);
+        let mut method = QuasiNewton::new(1, &objective.pieces);
         let zeros = vec![Vec3::zeros(); 25];
         let g = &point.gradient;
-        method.memory.push(1.0, -1e12, g, &zeros, g);
+        method.memory.push((1.0, -1e12), g, &zeros, g);
         let before = point.value;
         let done = method.advance(&mut objective, &mut global, None, &mut point, &mut None);
         assert_eq!(done.unwrap().solves, 2);

@@ -208,6 +208,9 @@ impl PdSolver {
         if are_attachments_stale || is_stale {
             self.free_components = objective.free_components(self.global.stiffness());
             objective.pieces = self.free_components.pieces();
+            if let Method::QuasiNewton(method) = &mut self.method {
+                method.set_pieces(&objective.pieces);
+            }
         }
         if !is_stale {
             if let (true, Some(coarse)) = (are_attachments_stale, &mut self.coarse) {
@@ -256,7 +259,7 @@ impl PdSolver {
         }
         // Unbounded displacements pass through obstacles: plain iterations with a bound, and no extrapolation.
         report.chebyshev_fallbacks += u32::from(matches!(self.method, Method::Chebyshev(_)));
-        let new = || Box::new(QuasiNewton::new(0, state.positions.len()));
+        let new = || Box::new(QuasiNewton::new(0, &self.objective.pieces));
         let bounded = Method::QuasiNewton(self.contact_method.take().unwrap_or_else(new));
         let unbounded = std::mem::replace(&mut self.method, bounded);
         let result = self.minimize(state, reference, report, input, contact);
@@ -409,8 +412,9 @@ impl PdSolver {
                     (true, false) => (0, fraction),
                     (false, _) => (least, fraction),
                 };
-                let is_met = relapses.accepts(self.velocity_errors(fraction, decrease));
                 let is_enough = report.iterations >= first + least;
+                let errors = self.velocity_errors(fraction, decrease, is_enough);
+                let is_met = relapses.accepts(errors);
                 if is_met && is_enough && (!self.is_newton() || self.is_near_balance()) {
                     return Ok(Outcome::Converged);
                 }

@@ -1,6 +1,7 @@
 //! What the parts of a cloth stand for in contact: areas, laws, and who is free.
 
 use super::excluded::Excluded;
+use super::groups::Components;
 use super::mollifier::Mollifier;
 use super::pinched::Pinched;
 use super::sewn::Sewn;
@@ -71,6 +72,8 @@ pub(crate) struct Near {
     rest: Vec<Vec3>,
     /// The connected component that each vertex belongs to.
     pub(super) component: Vec<u32>,
+    /// The same of those of the cloth, for their motion.
+    pub(super) components: Components,
     pub(super) is_free: Vec<bool>,
     /// Prescribed vertices that have not been seen to move: nothing is detected between them.
     resting: Vec<u32>,
@@ -100,12 +103,14 @@ impl Near {
         }
         let cloth = mesh.vertex_count() - surfaces.len();
         let any = own.self_collision || !surfaces.is_empty();
+        let component = joined(mesh.vertex_count(), incidence.edges.iter().copied());
         Self {
             law,
             cloth,
             surfaces,
             own,
-            component: joined(mesh.vertex_count(), incidence.edges.iter().copied()),
+            components: Components::new(&component[..cloth]),
+            component,
             incidence,
             vertex_area,
             edge_area,

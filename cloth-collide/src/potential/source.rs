@@ -12,7 +12,6 @@ use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::obstacle_contact::ObstacleContact;
 use super::stops::Stops;
-use crate::bounds::longest;
 use crate::obstacle::Obstacle;
 use crate::pair::{Gap, weighted};
 use cloth_core::contact::{
@@ -21,7 +20,7 @@ use cloth_core::contact::{
 use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
-/// Paths longer than this many thicknesses, relative to the mean motion, are tested up to there only.
+/// Paths longer than this many thicknesses, relative to the mean motion of what is near, are tested up to there only.
 const LONGEST: Real = 10.0;
 /// Times that pairs are chosen anew because vertices were cut, before all are cut alike.
 const MOST_ROUNDS: u32 = 10;
@@ -310,7 +309,8 @@ impl Contacts {
     /// The fraction of paths (m) that is tested: they are too long beyond.
     fn tested_fraction(&self, from: &[Vec3], to: &[Vec3]) -> Real {
         let path = [from, to].map(|x| self.near.own(x));
-        (LONGEST * self.near.law.range() / longest(path)).min(1.0)
+        let range = self.near.law.range();
+        (LONGEST * range / self.near.components.longest(path, range)).min(1.0)
     }
 
     /// ε (m): the displacement below which friction is a spring.

@@ -185,6 +185,15 @@ impl<T: Stored> LimitedMemory<T> {
         out: &mut [Vec3],
         inverse: impl FnOnce(&[Vec3], &mut [Vec3]),
     ) -> Real {
+        let first = self.first_loop(gradient, work);
+        inverse(work, out);
+        self.second_loop(&first, gradient, out)
+    }
+
+    /// The first loop of [`direction`](Self::direction): writes to `work` what the first inverse Hessian is applied to
+    /// (N). The two loops are for callers who apply it to the vectors of several memories at once.
+    #[must_use]
+    pub fn first_loop(&self, gradient: &[Vec3], work: &mut [Vec3]) -> FirstLoop {
         let mut alpha = [0.0; MOST_PAIRS];
         for k in self.places().rev() {
             let newer = self.places().rev().take_while(|&j| j != k);
@@ -192,7 +201,7 @@ impl<T: Stored> LimitedMemory<T> {
             alpha[k] = (-self.along[k] - sum) / self.pairs[k].products[k];
         }
         map_reduce(
-            (&mut *work, gradient),
+            (work, gradient),
             #[inline(always)]
             |start, (work, gradient): (&mut [Vec3], &[Vec3])| {
                 for (work, g) in work.iter_mut().zip(gradient) {
@@ -204,7 +213,12 @@ impl<T: Stored> LimitedMemory<T> {
                 []
             },
         );
-        inverse(work, out);
+        FirstLoop(alpha)
+    }
+
+    /// The second loop: turns `out` (m), to which the first inverse Hessian has brought the vector of the first loop,
+    /// into the direction; returns its product with g (J).
+    pub fn second_loop(&self, first: &FirstLoop, gradient: &[Vec3], out: &mut [Vec3]) -> Real {
         let across: [Real; MOST_PAIRS] = map_reduce(
             &*out,
             #[inline(always)]
@@ -220,7 +234,7 @@ impl<T: Stored> LimitedMemory<T> {
         for k in self.places() {
             let older = self.places().take_while(|&j| j != k);
             let sum: Real = older.map(|j| gamma[j] * self.pairs[k].products[j]).sum();
-            gamma[k] = alpha[k] - (across[k] + sum) / self.pairs[k].products[k];
+            gamma[k] = first.0[k] - (across[k] + sum) / self.pairs[k].products[k];
         }
         let [slope] = map_reduce(
             (out, gradient),
@@ -235,6 +249,10 @@ impl<T: Stored> LimitedMemory<T> {
         slope
     }
 }
+
+/// What the second loop needs of the first: the coefficients of the pairs.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstLoop([Real; MOST_PAIRS]);
 
 #[inline(always)]
 fn kept<T: Stored>(v: &Vec3) -> Kept<T> {

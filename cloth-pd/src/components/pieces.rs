@@ -3,7 +3,8 @@
 //! A step ends when every piece is near enough to where it will be. In a norm over all of the cloth a light piece
 //! beside a heavy one would hardly count, and could stay where it was.
 
-use cloth_core::math::Real;
+use cloth_core::math::{Real, Vec3};
+use std::ops::Range;
 
 /// Which piece each vertex belongs to: what elements couple, directly or not.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +29,37 @@ impl Pieces {
         Self {
             of: labels.iter().map(number).collect(),
             count: count as usize,
+        }
+    }
+
+    /// Number of pieces.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of vertices.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.of.len()
+    }
+
+    /// Vertices that follow each other and belong to one piece; as many as pieces if all vertices of each do.
+    pub(crate) fn ranges(&self) -> Vec<Range<usize>> {
+        let mut end = 0;
+        let runs = self.of.chunk_by(|a, b| a == b);
+        runs.map(|run| {
+            let start = end;
+            end += run.len();
+            start..end
+        })
+        .collect()
+    }
+
+    /// Sets to zero what the vertices of some pieces have.
+    pub(crate) fn clear(&self, which: &[bool], of: &mut [Vec3]) {
+        for (of, &piece) in of.iter_mut().zip(&self.of) {
+            if which[piece as usize] {
+                *of = Vec3::zeros();
+            }
         }
     }
 

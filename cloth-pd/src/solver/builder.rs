@@ -162,6 +162,9 @@ impl PdBuilder {
         let global = GlobalSystem::new(&self.particles, &families, is_left_out);
         let global = global.map_err(too_large)?;
         let zeros = vec![Vec3::zeros(); vertex_count];
+        let mut objective = Objective::new(self.particles, families);
+        let free_components = objective.free_components(global.stiffness());
+        objective.pieces = free_components.pieces();
         let method = match self.config.acceleration {
             Acceleration::None => Method::Plain {
                 increment: zeros.clone(),
@@ -169,13 +172,10 @@ impl PdBuilder {
             Acceleration::Chebyshev { spectral_radius } => {
                 Method::Chebyshev(Box::new(Chebyshev::new(spectral_radius, vertex_count)))
             }
-            Acceleration::QuasiNewton { history } => {
-                Method::QuasiNewton(Box::new(QuasiNewton::new(history as usize, vertex_count)))
-            }
+            Acceleration::QuasiNewton { history } => Method::QuasiNewton(Box::new(
+                QuasiNewton::new(history as usize, &objective.pieces),
+            )),
         };
-        let mut objective = Objective::new(self.particles, families);
-        let free_components = objective.free_components(global.stiffness());
-        objective.pieces = free_components.pieces();
         let (particles, families) = (&objective.particles, &mut objective.families);
         let coarse = match (&method, &self.coarse) {
             (Method::QuasiNewton(_), Some((rest, cells))) => {

@@ -18,6 +18,9 @@ const NEGLIGIBLE_SPEED: Real = 1e-6;
 /// without gravity has no other velocity to compare with, and ends at rounding.
 const NEGLIGIBLE_WAY: Real = 1e-10;
 
+/// A piece with an error (squared) below this fraction of what is asked for has ended.
+const ENDED: Real = 1e-2;
+
 /// An error beyond this many times what is asked for, after a smaller one than that, is a relapse; and how many errors
 /// in a row have to be small from then on.
 const RELAPSE: Real = 10.0;
@@ -54,6 +57,8 @@ pub(super) struct PieceNorms {
     ways: Vec<Real>,
     /// The changes by the forces that are left.
     left: Vec<Real>,
+    /// Which pieces have ended.
+    ended: Vec<bool>,
 }
 
 impl PieceNorms {
@@ -108,7 +113,15 @@ impl PdSolver {
             return false;
         }
         self.norms.find(&self.objective, &self.point);
-        (0..self.norms.left.len()).all(|piece| self.norms.is_in_free_fall(piece))
+        let mut ended = std::mem::take(&mut self.norms.ended);
+        ended.clear();
+        let pieces = 0..self.norms.left.len();
+        ended.extend(pieces.map(|piece| self.norms.is_in_free_fall(piece)));
+        if let Method::QuasiNewton(method) = &mut self.method {
+            method.end(&ended);
+        }
+        self.norms.ended = ended;
+        !self.norms.ended.contains(&false)
     }
 
     /// Whether the forces at the point are in balance, in a step with active contacts and without a tolerance: cloth
@@ -146,11 +159,21 @@ impl PdSolver {
     /// [`DECREASE_WINDOW`] iterations, of all pieces together.
     /// Pairs that do not fit the Hessian can make the first too small. Where no direction leads down any more, as at
     /// the speed at which the air carries a sheet, the gradient bounds it: the Hessian is at least M/Δt².
-    pub(super) fn velocity_errors(&mut self, fraction: Real, decrease: Real) -> [Real; 2] {
-        let Method::QuasiNewton(method) = &self.method else {
+    ///
+    /// Without contact, pieces whose own error is much smaller than asked for do not go on while others do, once there
+    /// have been enough iterations.
+    pub(super) fn velocity_errors(
+        &mut self,
+        fraction: Real,
+        decrease: Real,
+        is_enough: bool,
+    ) -> [Real; 2] {
+        let is_in_contact = self.has_contact();
+        let Method::QuasiNewton(method) = &mut self.method else {
             return [Real::INFINITY; 2];
         };
         self.norms.find(&self.objective, &self.point);
+        let mut ended = std::mem::take(&mut self.norms.ended);
         let norms = &self.norms;
         let wanted = (fraction * self.config.velocity_tolerance).powi(2);
         let over = |error: Real, velocity: Real| match error == 0.0 {
@@ -161,8 +184,15 @@ impl PdSolver {
         let velocities = (0..norms.left.len()).map(|piece| norms.velocity(piece));
         let all: Real = velocities.clone().sum();
         let by_piece = errors.iter().zip(velocities).map(|(e, v)| over(e.abs(), v));
-        let farthest = by_piece.fold(0.0, Real::max);
-        [farthest, over(decrease / DECREASE_WINDOW as Real, all)]
+        let farthest = by_piece.clone().fold(0.0, Real::max);
+        let by_decrease = over(decrease / DECREASE_WINDOW as Real, all);
+        if is_enough || is_in_contact {
+            ended.clear();
+            ended.extend(by_piece.map(|error| !is_in_contact && error <= ENDED));
+            method.end(&ended);
+        }
+        self.norms.ended = ended;
+        [farthest, by_decrease]
     }
 
     /// Whether the last direction was one of Newton's method.
