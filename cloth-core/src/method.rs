@@ -87,4 +87,5 @@ pub mod position_based;
 
 pub mod limited_memory;
 pub mod line_search;
+pub mod pieces;
 pub mod trust;

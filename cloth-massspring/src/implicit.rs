@@ -46,6 +46,7 @@ mod line_search;
 mod linearized;
 mod minimizer;
 mod newton;
+mod piecewise;
 mod progress;
 mod quasi_newton;
 mod stage;

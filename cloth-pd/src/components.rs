@@ -10,12 +10,9 @@
 //! origin is `w Σ z × p` over the rows z of S x⁺: zero only if p is the projection of x⁺, at convergence. What is left
 //! then is that of implicit Euler, `−Δt² Σ v[1] × f(x[1])` in a step, f the internal forces.
 
-mod pieces;
-
-pub(crate) use pieces::Pieces;
-
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::method::pieces::Pieces;
 use cloth_core::particles::Particles;
 use cloth_core::topology::DisjointSets;
 

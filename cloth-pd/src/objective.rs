@@ -55,13 +55,14 @@
 //! from x in every iteration, so errors of solves do not add up. In single precision two values of `G` could not be
 //! told apart below some 10⁻⁷ of their size.
 
-use crate::components::{FreeComponents, Momentum, Pieces};
+use crate::components::{FreeComponents, Momentum};
 use crate::contact::Contact;
 use crate::local::Projections;
 use crate::quadratic::{Padded, Quadratic};
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::chunked::map_reduce;
+use cloth_core::method::pieces::Pieces;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput};
 use sprs::CsMat;

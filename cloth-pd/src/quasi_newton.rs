@@ -56,7 +56,6 @@
 mod memory;
 
 use crate::coarse::CoarseGrid;
-use crate::components::Pieces;
 use crate::contact::{Contact, ContactSystem};
 use crate::global::GlobalSystem;
 use crate::newton::TruncatedNewton;
@@ -65,6 +64,7 @@ use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 use cloth_core::method::parallel::join;
+use cloth_core::method::pieces::Pieces;
 use cloth_core::method::trust::{TrustRadius, longest};
 use cloth_core::method::vectors::dot;
 use memory::Memory;

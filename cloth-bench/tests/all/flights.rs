@@ -82,3 +82,28 @@ fn a_piece_that_falls_far_away_takes_no_iterations() {
     let (alone, beside) = (count(hanging), count(&format!("{hanging}{falling}")));
     assert!(beside * 10 <= alone * 11, "{alone}, {beside}");
 }
+
+/// A step ends when every piece is near enough to where it will be. In a norm over both a patch of 45 mg beside a blanket
+/// of 4 kg was 17 mm off after 12 steps with `implicit-euler`, 25 mm with `pd`.
+#[test]
+fn a_patch_falls_beside_a_blanket_as_it_does_alone() {
+    let patch = "[[mesh]]\ngenerator = \"grid:9x9:alternating\"\nscale = 0.03\nrotate = [0, 0.5, 1]\n\
+        [mesh.cloth]\ndensity = 0.05\nstiffness = 300\nrigidity = 1e-6\n[[pins]]\nmesh = 0\nvertices = [0, 8]\n";
+    let blanket = "[[mesh]]\ngenerator = \"grid:33x33:alternating\"\nscale = 2\ntranslate = [30, 0, 0]\n\
+        [mesh.cloth]\ndensity = 1\n[[pins]]\nmesh = 1\nvertices = [0, 32]\n";
+    for (method, most) in [("implicit-euler", 1e-4), ("pd", 5e-3)] {
+        let fall = |text: &str| {
+            let scene = scene(&format!("patch_{method}"), text);
+            let mut last = Vec::new();
+            watch(&scene, method, &[], 12, |moment| {
+                last = moment.state.positions[..81].to_vec();
+            });
+            last
+        };
+        let (alone, beside) = (fall(patch), fall(&format!("{patch}{blanket}")));
+        let apart = alone.iter().zip(&beside).map(|(a, b)| (a - b).norm());
+        let apart = apart.fold(0.0, f64::max);
+        println!("{method}: {apart:e} m");
+        assert!(apart < most, "{method}: {apart:e} m");
+    }
+}

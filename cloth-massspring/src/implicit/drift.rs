@@ -7,11 +7,11 @@
 //! freely is solved before the first one.
 
 use super::line_search::Point;
+use super::piecewise::labels;
 use super::stage::Stage;
 use cloth_core::math::{Mat3, Vec3};
 use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::Energies;
-use cloth_core::topology::DisjointSets;
 
 /// The connected components without a prescribed vertex, and without an element that attaches one vertex to a point.
 #[derive(Debug)]
@@ -22,17 +22,11 @@ pub(super) struct Unconstrained {
 impl Unconstrained {
     /// Those of the graph that the blocks of a matrix make; `is_unconstrained[v]` says that nothing holds vertex `v`.
     fn of(pattern: &BlockPattern, is_unconstrained: &[bool]) -> Self {
-        let count = pattern.row_count();
-        let mut sets = DisjointSets::new(count);
-        for row in 0..count {
-            for &column in &pattern.columns()[pattern.row(row)] {
-                sets.join(row as u32, column);
-            }
-        }
-        let mut components = vec![Vec::new(); count];
-        let mut is_held = vec![false; count];
-        for vertex in 0..count {
-            let root = sets.root(vertex as u32) as usize;
+        let labels = labels(pattern);
+        let mut components = vec![Vec::new(); labels.len()];
+        let mut is_held = vec![false; labels.len()];
+        for (vertex, &root) in labels.iter().enumerate() {
+            let root = root as usize;
             components[root].push(vertex as u32);
             is_held[root] |= !is_unconstrained[vertex];
         }

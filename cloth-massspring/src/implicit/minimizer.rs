@@ -299,7 +299,11 @@ impl Minimizer {
             } else {
                 (task.config.tolerance, rounding)
             };
-            if norm <= (tolerance * self.forces).max(least) {
+            let dt = task.stage.potential.dt;
+            let point = (&task.stage, &self.current);
+            if norm <= (tolerance * self.forces).max(least)
+                && method.piecewise.is_balanced(point, tolerance, least * dt)
+            {
                 return Ok(End::Done(Outcome::Converged));
             }
             if report.iterations == task.config.max_iterations {
@@ -343,7 +347,9 @@ impl Minimizer {
             }
             let enough = self.close_enough(task, tolerance);
             report.residual = Some(self.relative(task, decrement));
-            if decrement <= enough {
+            let point = (&task.stage, &self.current);
+            let (direction, least) = (&self.direction, least * dt);
+            if decrement <= enough && method.piecewise.is_near(point, direction, tolerance, least) {
                 return Ok(End::Done(Outcome::Converged));
             }
             if contact.is_none() && progress.is_too_slow(report.iterations, decrement, enough) {

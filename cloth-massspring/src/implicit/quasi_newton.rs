@@ -7,6 +7,7 @@
 
 use super::drift::Unconstrained;
 use super::line_search::Point;
+use super::piecewise::Piecewise;
 use super::stage::Stage;
 use cloth_core::contact::{ContactPotential, ContactRow};
 use cloth_core::math::{Real, Vec3};
@@ -37,6 +38,7 @@ pub(super) struct QuasiNewton {
     assembly: Assembly,
     hessian: ContactHessian,
     unconstrained: Unconstrained,
+    pub(super) piecewise: Piecewise,
     history: LimitedMemory<f32>,
     rows: Vec<ContactRow>,
     work: Vec<Vec3>,
@@ -58,6 +60,7 @@ impl QuasiNewton {
             work: vec![Vec3::zeros(); is_free.len()],
             shortened_steps: 0,
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
+            piecewise: Piecewise::new(assembly.pattern()),
             hessian: ContactHessian::new(assembly.pattern(), is_free),
             assembly,
             iterations: 0,

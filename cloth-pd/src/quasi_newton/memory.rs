@@ -4,9 +4,9 @@
 //! products of pairs of all of the cloth a light piece beside a heavy one would hardly count, and its part of the
 //! direction would be one for the other.
 
-use crate::components::Pieces;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::limited_memory::{FirstLoop, LimitedMemory};
+use cloth_core::method::pieces::Pieces;
 use cloth_core::method::vectors::dot;
 use std::ops::Range;
 

@@ -3,19 +3,23 @@
 //! A step ends when every piece is near enough to where it will be. In a norm over all of the cloth a light piece
 //! beside a heavy one would hardly count, and could stay where it was.
 
-use cloth_core::math::{Real, Vec3};
+use crate::math::{Real, Vec3};
 use std::ops::Range;
 
 /// Which piece each vertex belongs to: what elements couple, directly or not.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Pieces {
+pub struct Pieces {
     of: Vec<u32>,
     count: usize,
 }
 
 impl Pieces {
     /// The pieces of vertices with a label each, the same for all of a piece.
-    pub(crate) fn new(labels: &[u32]) -> Self {
+    ///
+    /// # Panics
+    /// If a label is not below the number of vertices.
+    #[must_use]
+    pub fn new(labels: &[u32]) -> Self {
         let mut numbers = vec![u32::MAX; labels.len()];
         let mut count = 0;
         let number = |&label: &u32| {
@@ -33,17 +37,20 @@ impl Pieces {
     }
 
     /// Number of pieces.
-    pub(crate) fn count(&self) -> usize {
+    #[must_use]
+    pub fn count(&self) -> usize {
         self.count
     }
 
     /// Number of vertices.
-    pub(crate) fn vertex_count(&self) -> usize {
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
         self.of.len()
     }
 
     /// Vertices that follow each other and belong to one piece; as many as pieces if all vertices of each do.
-    pub(crate) fn ranges(&self) -> Vec<Range<usize>> {
+    #[must_use]
+    pub fn ranges(&self) -> Vec<Range<usize>> {
         let mut end = 0;
         let runs = self.of.chunk_by(|a, b| a == b);
         runs.map(|run| {
@@ -55,7 +62,7 @@ impl Pieces {
     }
 
     /// Sets to zero what the vertices of some pieces have.
-    pub(crate) fn clear(&self, which: &[bool], of: &mut [Vec3]) {
+    pub fn clear(&self, which: &[bool], of: &mut [Vec3]) {
         for (of, &piece) in of.iter_mut().zip(&self.of) {
             if which[piece as usize] {
                 *of = Vec3::zeros();
@@ -64,7 +71,7 @@ impl Pieces {
     }
 
     /// Writes to `out` the sum over each piece of what its vertices have.
-    pub(crate) fn sum(&self, out: &mut Vec<Real>, of: impl Fn(usize) -> Real) {
+    pub fn sum(&self, out: &mut Vec<Real>, of: impl Fn(usize) -> Real) {
         out.clear();
         out.resize(self.count, 0.0);
         for (vertex, &piece) in self.of.iter().enumerate() {
