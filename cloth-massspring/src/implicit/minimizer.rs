@@ -348,7 +348,10 @@ impl Minimizer {
             let enough = self.close_enough(task, tolerance);
             report.residual = Some(self.relative(task, decrement));
             let point = (&task.stage, &self.current);
-            let (direction, least) = (&self.direction, least * dt);
+            let (direction, least) = (
+                &self.direction,
+                (least * dt).max(tolerance * self.released()),
+            );
             if decrement <= enough && method.piecewise.is_near(point, direction, tolerance, least) {
                 return Ok(End::Done(Outcome::Converged));
             }
@@ -549,9 +552,14 @@ impl Minimizer {
     /// The change of velocity that the forces make, `‖x − x̂‖_M/s` (√J), times the tolerance: Newton decrement at which
     /// the iteration ends.
     pub(super) fn close_enough(&self, task: &Task<'_>, tolerance: Real) -> Real {
-        let given_off = 2.0 * (self.first - self.current.value).max(0.0);
         let change = self.forces * task.stage.potential.dt;
-        tolerance * change.max(MIN_RELEASED_SPEED * given_off.sqrt())
+        tolerance * change.max(self.released())
+    }
+
+    /// The least change of velocity (√J) to compare with after much energy was released.
+    fn released(&self) -> Real {
+        let given_off = 2.0 * (self.first - self.current.value).max(0.0);
+        MIN_RELEASED_SPEED * given_off.sqrt()
     }
 
     /// A Newton decrement (√J) relative to the change of velocity that the forces make.
