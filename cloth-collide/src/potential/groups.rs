@@ -2,16 +2,10 @@
 
 use crate::bounds::{Bounds, farthest, longest};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::pieces::Pieces;
 
 /// So many components are told apart, at most.
 const MOST: usize = 32;
-
-/// The connected components of the cloth, numbered.
-#[derive(Clone, Debug)]
-pub(super) struct Components {
-    of: Vec<u32>,
-    count: usize,
-}
 
 /// Components that a path may bring together, and how they move.
 #[derive(Clone, Copy, Debug)]
@@ -25,58 +19,49 @@ struct Group {
     vertices: Real,
 }
 
-impl Components {
-    /// Of vertices with a label each, the same for all of a component.
-    pub(super) fn new(labels: &[u32]) -> Self {
-        let mut found: Vec<u32> = labels.to_vec();
-        found.sort_unstable();
-        found.dedup();
-        let number = |label: &u32| found.binary_search(label).unwrap_or_default() as u32;
-        Self {
-            of: labels.iter().map(number).collect(),
-            count: found.len(),
+/// How far (m) a vertex goes on a path, at most, relative to the mean motion of its component and of those that come
+/// within `range` (m) of its box. Pieces that pass by far from each other have no path between them to test.
+pub(super) fn longest_of_groups(
+    components: &Pieces,
+    [from, to]: [&[Vec3]; 2],
+    range: Real,
+) -> Real {
+    let count = components.count();
+    if !(2..=MOST).contains(&count) {
+        return longest([from, to]);
+    }
+    let mut groups: [Option<Group>; MOST] = [None; MOST];
+    for ((a, b), &component) in from.iter().zip(to).zip(components.of_each()) {
+        let bounds = Bounds::around([*a, *b]);
+        let group = groups[component as usize].get_or_insert(Group {
+            bounds,
+            lowest: component as usize,
+            sum: Vec3::zeros(),
+            vertices: 0.0,
+        });
+        group.bounds = group.bounds.joined(&bounds);
+        group.sum += b - a;
+        group.vertices += 1.0;
+    }
+    for one in 0..count {
+        for other in 0..one {
+            join(&mut groups[..count], [other, one], range);
         }
     }
-
-    /// How far (m) a vertex goes on a path, at most, relative to the mean motion of its component and of those that come
-    /// within `range` (m) of its box. Pieces that pass by far from each other have no path between them to test.
-    pub(super) fn longest(&self, [from, to]: [&[Vec3]; 2], range: Real) -> Real {
-        if self.count < 2 || self.count > MOST {
-            return longest([from, to]);
-        }
-        let mut groups: [Option<Group>; MOST] = [None; MOST];
-        for ((a, b), &component) in from.iter().zip(to).zip(&self.of) {
-            let bounds = Bounds::around([*a, *b]);
-            let group = groups[component as usize].get_or_insert(Group {
-                bounds,
-                lowest: component as usize,
-                sum: Vec3::zeros(),
-                vertices: 0.0,
-            });
-            group.bounds = group.bounds.joined(&bounds);
-            group.sum += b - a;
-            group.vertices += 1.0;
-        }
-        for one in 0..self.count {
-            for other in 0..one {
-                join(&mut groups[..self.count], [other, one], range);
-            }
-        }
-        let mean = |component: u32| {
-            let group = |number: usize| groups[number].as_ref();
-            let lowest = group(component as usize).map_or(0, |own| own.lowest);
-            group(lowest).map_or(Vec3::zeros(), |all| all.sum / all.vertices)
-        };
-        let mut most: Real = 0.0;
-        let mut first = 0;
-        for run in self.of[..from.len()].chunk_by(|a, b| a == b) {
-            let vertices = first..first + run.len();
-            first = vertices.end;
-            let (from, to) = (&from[vertices.clone()], &to[vertices]);
-            most = most.max(farthest(from, to, mean(run[0])));
-        }
-        most
+    let mean = |component: u32| {
+        let group = |number: usize| groups[number].as_ref();
+        let lowest = group(component as usize).map_or(0, |own| own.lowest);
+        group(lowest).map_or(Vec3::zeros(), |all| all.sum / all.vertices)
+    };
+    let mut most: Real = 0.0;
+    let mut first = 0;
+    for run in components.of_each()[..from.len()].chunk_by(|a, b| a == b) {
+        let vertices = first..first + run.len();
+        first = vertices.end;
+        let (from, to) = (&from[vertices.clone()], &to[vertices]);
+        most = most.max(farthest(from, to, mean(run[0])));
     }
+    most
 }
 
 /// Joins the groups of two components whose boxes are near each other.

@@ -1,7 +1,6 @@
 //! What the parts of a cloth stand for in contact: areas, laws, and who is free.
 
 use super::excluded::Excluded;
-use super::groups::Components;
 use super::mollifier::Mollifier;
 use super::pinched::Pinched;
 use super::sewn::Sewn;
@@ -15,6 +14,7 @@ use crate::separation::meet_unduly;
 use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
+use cloth_core::method::pieces::Pieces;
 use cloth_core::topology::joined;
 
 /// Fraction of the thickness that coordinates have to resolve: the length below which friction is a spring.
@@ -73,7 +73,7 @@ pub(crate) struct Near {
     /// The connected component that each vertex belongs to.
     pub(super) component: Vec<u32>,
     /// The same of those of the cloth, for their motion.
-    pub(super) components: Components,
+    pub(super) components: Pieces,
     pub(super) is_free: Vec<bool>,
     /// Prescribed vertices that have not been seen to move: nothing is detected between them.
     resting: Vec<u32>,
@@ -109,7 +109,7 @@ impl Near {
             cloth,
             surfaces,
             own,
-            components: Components::new(&component[..cloth]),
+            components: Pieces::new(&component[..cloth]),
             component,
             incidence,
             vertex_area,

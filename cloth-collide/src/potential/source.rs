@@ -6,6 +6,7 @@ use super::filter::shorten_all;
 use super::forces::Ledger;
 use super::free::FreeBodies;
 use super::friction::{ALONE, FrictionContact, Key, TangentialDisplacements};
+use super::groups::longest_of_groups;
 use super::last_resort::LastResort;
 use super::multipliers::Multipliers;
 use super::near::Near;
@@ -310,7 +311,7 @@ impl Contacts {
     fn tested_fraction(&self, from: &[Vec3], to: &[Vec3]) -> Real {
         let path = [from, to].map(|x| self.near.own(x));
         let range = self.near.law.range();
-        (LONGEST * range / self.near.components.longest(path, range)).min(1.0)
+        (LONGEST * range / longest_of_groups(&self.near.components, path, range)).min(1.0)
     }
 
     /// ε (m): the displacement below which friction is a spring.

@@ -36,6 +36,12 @@ impl Pieces {
         }
     }
 
+    /// The number of the piece of each vertex, from 0 in the order of their lowest vertices.
+    #[must_use]
+    pub fn of_each(&self) -> &[u32] {
+        &self.of
+    }
+
     /// Number of pieces.
     #[must_use]
     pub fn count(&self) -> usize {
