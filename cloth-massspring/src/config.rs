@@ -75,8 +75,8 @@ pub struct ImplicitConfig {
     /// of velocity in the end. So the decrement is compared with `10⁻³ √(2 (G_start − G))` if that is more. Where
     /// something touches, a step ends at 0.3 of the tolerance.
     ///
-    /// Every piece that elements couple has to be so near by itself, with no less than 10⁻⁴ of the change of velocity
-    /// of all to compare with: a light piece beside a heavy one hardly counts in a norm over both.
+    /// Where nothing touches, every piece that elements couple has to be so near by itself, with no less than 10⁻⁴ of the
+    /// change of velocity of all to compare with: a light piece beside a heavy one hardly counts in a norm over both.
     pub tolerance: Real,
     /// Which second derivative Newton's method uses.
     pub hessian: HessianPolicy,

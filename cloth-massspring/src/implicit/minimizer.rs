@@ -301,8 +301,10 @@ impl Minimizer {
             };
             let dt = task.stage.potential.dt;
             let point = (&task.stage, &self.current);
+            // What touches each other moves together.
+            let touches = contact.is_some() && method.has_active_contacts();
             if norm <= (tolerance * self.forces).max(least)
-                && method.piecewise.is_balanced(point, tolerance, least * dt)
+                && (touches || method.piecewise.is_balanced(point, tolerance, least * dt))
             {
                 return Ok(End::Done(Outcome::Converged));
             }
@@ -352,7 +354,9 @@ impl Minimizer {
                 &self.direction,
                 (least * dt).max(tolerance * self.released()),
             );
-            if decrement <= enough && method.piecewise.is_near(point, direction, tolerance, least) {
+            if decrement <= enough
+                && (touches || method.piecewise.is_near(point, direction, tolerance, least))
+            {
                 return Ok(End::Done(Outcome::Converged));
             }
             if contact.is_none() && progress.is_too_slow(report.iterations, decrement, enough) {
