@@ -92,7 +92,7 @@ impl CoarseGrid {
         let Lattice {
             prolongation,
             node_positions,
-        } = Lattice::over(rest, is_free, free_components.piece_of_each(), cells);
+        } = Lattice::over(rest, is_free, free_components.pieces().of_each(), cells);
         let nodes = |vertex: usize| prolongation.of_fine(vertex).iter();
         let mut pattern = PatternBuilder::new(node_positions.len());
         let mut around: Vec<u32> = Vec::new();

@@ -22,8 +22,8 @@ use cloth_core::topology::DisjointSets;
 pub(crate) struct FreeComponents {
     /// Number of the component of each vertex, `CONSTRAINED` for vertices of components that are not free.
     component: Vec<u32>,
-    /// A number for each vertex, the same for all that elements couple, held ones too.
-    piece: Vec<u32>,
+    /// What elements couple, held vertices too.
+    pieces: Pieces,
     /// Mass (kg) of each vertex, and of each component.
     vertex_mass: Vec<Real>,
     mass: Vec<Real>,
@@ -117,6 +117,7 @@ impl FreeComponents {
                 *mass += particles.mass()[vertex];
             }
         }
+        let roots: Vec<u32> = (0..count as u32).map(|vertex| sets.root(vertex)).collect();
         Self {
             shift: vec![Vec3::zeros(); mass.len()],
             dragged: vec![Mat3::zeros(); mass.len()],
@@ -124,20 +125,15 @@ impl FreeComponents {
             touching: DisjointSets::default(),
             together: Vec::new(),
             vertex_mass: particles.mass().to_vec(),
-            piece: (0..count as u32).map(|vertex| sets.root(vertex)).collect(),
+            pieces: Pieces::new(&roots),
             component,
             mass,
         }
     }
 
-    /// A number for each vertex, the same for all that elements couple.
-    pub(crate) fn piece_of_each(&self) -> &[u32] {
-        &self.piece
-    }
-
     /// The pieces that elements couple.
-    pub(crate) fn pieces(&self) -> Pieces {
-        Pieces::new(&self.piece)
+    pub(crate) fn pieces(&self) -> &Pieces {
+        &self.pieces
     }
 
     /// Whether there is none.

@@ -207,7 +207,7 @@ impl PdSolver {
         }
         if are_attachments_stale || is_stale {
             self.free_components = objective.free_components(self.global.stiffness());
-            objective.pieces = self.free_components.pieces();
+            objective.pieces = self.free_components.pieces().clone();
             if let Method::QuasiNewton(method) = &mut self.method {
                 method.set_pieces(&objective.pieces);
             }

@@ -164,7 +164,7 @@ impl PdBuilder {
         let zeros = vec![Vec3::zeros(); vertex_count];
         let mut objective = Objective::new(self.particles, families);
         let free_components = objective.free_components(global.stiffness());
-        objective.pieces = free_components.pieces();
+        objective.pieces = free_components.pieces().clone();
         let method = match self.config.acceleration {
             Acceleration::None => Method::Plain {
                 increment: zeros.clone(),
