@@ -66,6 +66,7 @@ use cloth_core::method::pieces::Pieces;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput};
 use sprs::CsMat;
+use std::ops::AddAssign;
 
 /// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact and the drag of the air where they are felt, in terms
 /// of the displacement `q = x − x[0]`.
@@ -369,38 +370,43 @@ impl Objective {
         squares.sum::<Real>().sqrt()
     }
 
-    /// Of each piece `‖x − x̃‖²_M/Δt²` (J) at the point: the change of velocity by elastic and contact forces.
-    pub(crate) fn find_forced(&self, point: &Point, out: &mut Vec<Real>) {
-        let forced = |vertex: usize| point.displacement[vertex] - self.inertial[vertex];
-        self.sum_by_mass(out, forced);
+    /// Writes to `out` the squares of velocities of each piece at the point.
+    pub(crate) fn find_squares(&self, point: &Point, out: &mut Vec<Squares>) {
+        let (mass, inverse_mass) = (self.particles.mass(), self.particles.inverse_mass());
+        let dt_squared = self.dt * self.dt;
+        let per_time = 1.0 / dt_squared;
+        self.pieces.sum(out, |v| {
+            let (displacement, w) = (point.displacement[v], inverse_mass[v]);
+            let mass = if w == 0.0 { 0.0 } else { mass[v] * per_time };
+            Squares {
+                forced: mass * (displacement - self.inertial[v]).norm_squared(),
+                speed: mass * displacement.norm_squared(),
+                way: mass * point.positions[v].norm_squared(),
+                left: w * point.gradient[v].norm_squared() * dt_squared,
+            }
+        });
     }
+}
 
-    /// Of each piece `‖x − x[0]‖²_M/Δt²` (J): the velocity with which the step would end at the point.
-    pub(crate) fn find_speeds(&self, point: &Point, out: &mut Vec<Real>) {
-        self.sum_by_mass(out, |vertex| point.displacement[vertex]);
-    }
+/// Squares of velocities of a piece (J), in the norm of M over its free vertices.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Squares {
+    /// `‖x − x̃‖²_M/Δt²`: the change of velocity by elastic and contact forces.
+    pub(crate) forced: Real,
+    /// `‖x − x[0]‖²_M/Δt²`: the velocity with which the step would end at the point.
+    pub(crate) speed: Real,
+    /// `‖x‖²_M/Δt²`: what a rounding error of positions makes of velocities, over the relative error.
+    pub(crate) way: Real,
+    /// `Δt² ‖∇G‖²` in the norm of M⁻¹: the change of velocity by the forces that are left.
+    pub(crate) left: Real,
+}
 
-    /// Of each piece `‖x‖²_M/Δt²` (J) at the point: what a rounding error of positions makes of velocities, over the
-    /// relative error.
-    pub(crate) fn find_ways(&self, point: &Point, out: &mut Vec<Real>) {
-        self.sum_by_mass(out, |vertex| point.positions[vertex]);
-    }
-
-    /// Of each piece `Δt² ‖∇G‖²` (J) in the norm of M⁻¹: the change of velocity by the forces that are left.
-    pub(crate) fn find_left(&self, point: &Point, out: &mut Vec<Real>) {
-        let inverse_mass = self.particles.inverse_mass();
-        let square = |vertex: usize| inverse_mass[vertex] * point.gradient[vertex].norm_squared();
-        self.pieces.sum(out, |v| square(v) * self.dt * self.dt);
-    }
-
-    /// Sums over each piece in the metric of M, over Δt² (J), what free vertices have (m).
-    fn sum_by_mass(&self, out: &mut Vec<Real>, of: impl Fn(usize) -> Vec3) {
-        let (particles, per_time) = (&self.particles, 1.0 / (self.dt * self.dt));
-        self.pieces
-            .sum(out, |vertex| match particles.is_prescribed(vertex) {
-                true => 0.0,
-                false => particles.mass()[vertex] * per_time * of(vertex).norm_squared(),
-            });
+impl AddAssign for Squares {
+    fn add_assign(&mut self, other: Self) {
+        self.forced += other.forced;
+        self.speed += other.speed;
+        self.way += other.way;
+        self.left += other.left;
     }
 }
 

@@ -67,6 +67,7 @@
 mod blocks;
 mod coarsening;
 mod coarsest;
+mod dense;
 mod galerkin;
 mod level;
 mod mesh_levels;

@@ -3,8 +3,8 @@
 //! A step ends when every piece is near enough to where it will be. In a norm over all of the cloth a light piece
 //! beside a heavy one would hardly count, and could stay where it was.
 
-use crate::math::{Real, Vec3};
-use std::ops::Range;
+use crate::math::Vec3;
+use std::ops::{AddAssign, Range};
 
 /// Which piece each vertex belongs to: what elements couple, directly or not.
 #[derive(Clone, Debug, Default)]
@@ -77,11 +77,18 @@ impl Pieces {
     }
 
     /// Writes to `out` the sum over each piece of what its vertices have.
-    pub fn sum(&self, out: &mut Vec<Real>, of: impl Fn(usize) -> Real) {
+    pub fn sum<T: Copy + Default + AddAssign>(&self, out: &mut Vec<T>, of: impl Fn(usize) -> T) {
         out.clear();
-        out.resize(self.count, 0.0);
-        for (vertex, &piece) in self.of.iter().enumerate() {
-            out[piece as usize] += of(vertex);
+        out.resize(self.count, T::default());
+        let mut vertex = 0;
+        for run in self.of.chunk_by(|a, b| a == b) {
+            // A sum that stays in a register.
+            let mut sum = out[run[0] as usize];
+            for _ in run {
+                sum += of(vertex);
+                vertex += 1;
+            }
+            out[run[0] as usize] = sum;
         }
     }
 }

@@ -3,7 +3,7 @@
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
 use cloth_core::contact::ContactRow;
 use cloth_core::element::Convexity;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
 use cloth_core::method::block_matrix::BlockMatrix;
@@ -367,6 +367,42 @@ fn many_contacts_of_the_same_vertices_are_one_where_the_grid_is_coarse() {
         let [known, unknown] = [&rows[..], &[]].map(|known| iterations_with(&system, &rows, known));
         println!("{stiffness} N/m: {alone} alone, {known} with contacts, {unknown} if not told");
         assert!(2 * known < unknown, "{stiffness} N/m: {known} {unknown}");
+    }
+}
+
+/// What is coarse enough already has no other level.
+#[test]
+fn a_few_dozen_vertices_are_solved_to_single_precision() {
+    for mesh in [2, 3, 4, 5, 6].map(sheet) {
+        let mut system = system(mesh, 1e-5, true);
+        // The numbers of its levels, which are in single precision.
+        for entry in system
+            .matrix
+            .blocks_mut()
+            .iter_mut()
+            .flat_map(Mat3::iter_mut)
+        {
+            *entry = Real::from(*entry as f32);
+        }
+        let mut multigrid =
+            Multigrid::new(&system.matrix, &system.is_free, system.mesh.positions());
+        assert!(multigrid.refresh(&system.matrix));
+        let r = free_noise(&system, 3);
+        let mut z = r.clone();
+        multigrid.apply(&r, &mut z);
+        let mut left = r.clone();
+        system.matrix.multiply(&z, &mut left);
+        for ((left, r), free) in left.iter_mut().zip(&r).zip(&system.is_free) {
+            *left = if *free { *left - r } else { Vec3::zeros() };
+        }
+        let size = system
+            .matrix
+            .blocks()
+            .iter()
+            .map(Mat3::norm)
+            .fold(0.0, Real::max);
+        let part = dot(&left, &left).sqrt() / (size * dot(&z, &z).sqrt());
+        assert!(part < 1e-7, "{}: {part:e}", z.len());
     }
 }
 

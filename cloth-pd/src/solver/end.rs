@@ -2,7 +2,7 @@
 
 use super::{DECREASE_WINDOW, Method, PdSolver};
 use crate::contact::Contact;
-use crate::objective::{Objective, Point};
+use crate::objective::Squares;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::StepReport;
 
@@ -47,38 +47,24 @@ impl Relapses {
     }
 }
 
-/// Squares of velocities (J, in the norm of M) of each piece at a point.
+/// What is known of each piece at a point.
 #[derive(Debug, Default)]
 pub(super) struct PieceNorms {
-    /// The changes by elastic and contact forces.
-    forced: Vec<Real>,
-    speeds: Vec<Real>,
-    /// What positions themselves would be in a step.
-    ways: Vec<Real>,
-    /// The changes by the forces that are left.
-    left: Vec<Real>,
+    squares: Vec<Squares>,
     /// Which pieces have ended.
     ended: Vec<bool>,
 }
 
-impl PieceNorms {
-    fn find(&mut self, objective: &Objective, point: &Point) {
-        objective.find_forced(point, &mut self.forced);
-        objective.find_speeds(point, &mut self.speeds);
-        objective.find_ways(point, &mut self.ways);
-        objective.find_left(point, &mut self.left);
-    }
-
+impl Squares {
     /// The change of velocity by elastic and contact forces; not less than what counts as zero.
-    fn velocity(&self, piece: usize) -> Real {
-        let by_speed = NEGLIGIBLE_SPEED.powi(2) * self.speeds[piece];
-        let by_way = NEGLIGIBLE_WAY.powi(2) * self.ways[piece];
-        self.forced[piece].max(by_speed).max(by_way)
+    fn velocity(&self) -> Real {
+        let by_speed = NEGLIGIBLE_SPEED.powi(2) * self.speed;
+        let by_way = NEGLIGIBLE_WAY.powi(2) * self.way;
+        self.forced.max(by_speed).max(by_way)
     }
 
-    fn is_in_free_fall(&self, piece: usize) -> bool {
-        let imperceptible = NEGLIGIBLE_SPEED.powi(2) * self.speeds[piece];
-        self.forced[piece].max(self.left[piece]) <= imperceptible
+    fn is_in_free_fall(&self) -> bool {
+        self.forced.max(self.left) <= NEGLIGIBLE_SPEED.powi(2) * self.speed
     }
 }
 
@@ -112,16 +98,14 @@ impl PdSolver {
         if self.config.tolerance.is_some() {
             return false;
         }
-        self.norms.find(&self.objective, &self.point);
-        let mut ended = std::mem::take(&mut self.norms.ended);
+        let PieceNorms { squares, ended } = &mut self.norms;
+        self.objective.find_squares(&self.point, squares);
         ended.clear();
-        let pieces = 0..self.norms.left.len();
-        ended.extend(pieces.map(|piece| self.norms.is_in_free_fall(piece)));
+        ended.extend(squares.iter().map(Squares::is_in_free_fall));
         if let Method::QuasiNewton(method) = &mut self.method {
-            method.end(&ended);
+            method.end(ended);
         }
-        self.norms.ended = ended;
-        !self.norms.ended.contains(&false)
+        !ended.contains(&false)
     }
 
     /// Whether the forces at the point are in balance, in a step with active contacts and without a tolerance: cloth
@@ -134,12 +118,12 @@ impl PdSolver {
             Some(_) => BALANCE_TOLERANCE,
             None => BALANCED_VELOCITIES * self.config.velocity_tolerance,
         };
-        self.norms.find(&self.objective, &self.point);
-        let norms = &self.norms;
-        (0..norms.left.len()).all(|piece| {
-            norms.left[piece] <= tolerance * tolerance * norms.forced[piece]
-                || norms.is_in_free_fall(piece)
-        })
+        let squares = &mut self.norms.squares;
+        self.objective.find_squares(&self.point, squares);
+        let is_balanced = |of: &Squares| of.left <= tolerance * tolerance * of.forced;
+        squares
+            .iter()
+            .all(|of| is_balanced(of) || of.is_in_free_fall())
     }
 
     /// Whether the forces at the point, in a step with active contacts, are no larger than those that it takes to end
@@ -149,9 +133,9 @@ impl PdSolver {
         if !self.has_contact() {
             return true;
         }
-        self.norms.find(&self.objective, &self.point);
-        let norms = &self.norms;
-        (0..norms.left.len()).all(|piece| norms.left[piece] <= norms.velocity(piece))
+        let squares = &mut self.norms.squares;
+        self.objective.find_squares(&self.point, squares);
+        squares.iter().all(|of| of.left <= of.velocity())
     }
 
     /// How far velocities are from those of the minimum, over what `fraction` of the tolerance asks, squared: first by
@@ -172,26 +156,26 @@ impl PdSolver {
         let Method::QuasiNewton(method) = &mut self.method else {
             return [Real::INFINITY; 2];
         };
-        self.norms.find(&self.objective, &self.point);
-        let mut ended = std::mem::take(&mut self.norms.ended);
-        let norms = &self.norms;
+        let PieceNorms { squares, ended } = &mut self.norms;
+        self.objective.find_squares(&self.point, squares);
         let wanted = (fraction * self.config.velocity_tolerance).powi(2);
         let over = |error: Real, velocity: Real| match error == 0.0 {
             true => 0.0,
             false => error / (wanted * velocity),
         };
-        let errors = method.decrements().unwrap_or(&norms.left);
-        let velocities = (0..norms.left.len()).map(|piece| norms.velocity(piece));
-        let all: Real = velocities.clone().sum();
-        let by_piece = errors.iter().zip(velocities).map(|(e, v)| over(e.abs(), v));
+        let decrements = method.decrements();
+        let by_piece = squares.iter().enumerate().map(|(piece, of)| {
+            let error = decrements.map_or(of.left, |decrements| decrements[piece]);
+            over(error.abs(), of.velocity())
+        });
         let farthest = by_piece.clone().fold(0.0, Real::max);
+        let all = squares.iter().map(Squares::velocity).sum();
         let by_decrease = over(decrease / DECREASE_WINDOW as Real, all);
         if is_enough || is_in_contact {
             ended.clear();
             ended.extend(by_piece.map(|error| !is_in_contact && error <= ENDED));
-            method.end(&ended);
+            method.end(ended);
         }
-        self.norms.ended = ended;
         [farthest, by_decrease]
     }
 
