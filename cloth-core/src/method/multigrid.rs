@@ -67,7 +67,6 @@
 mod blocks;
 mod coarsening;
 mod coarsest;
-mod dense;
 mod galerkin;
 mod level;
 mod mesh_levels;
