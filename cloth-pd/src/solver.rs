@@ -368,6 +368,7 @@ impl PdSolver {
         // The last values of `G` (J).
         let mut values = [Real::INFINITY; DECREASE_WINDOW];
         let mut relapses = Relapses::default();
+        self.norms.forget();
         loop {
             let is_last = report.iterations == last;
             // A number of iterations is all that may have been asked for.
@@ -393,6 +394,7 @@ impl PdSolver {
                 return Ok(Outcome::BudgetSpent);
             }
             let is_stuck = self.advance(report, contact)?; // the global step
+            self.norms.forget();
             report.iterations += 1;
             if is_stuck {
                 return Ok(Outcome::BudgetSpent);

@@ -2,7 +2,7 @@
 
 use super::{DECREASE_WINDOW, Method, PdSolver};
 use crate::contact::Contact;
-use crate::objective::Squares;
+use crate::objective::{Objective, Point, Squares};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::StepReport;
 
@@ -50,9 +50,23 @@ impl Relapses {
 /// What is known of each piece at a point.
 #[derive(Debug, Default)]
 pub(super) struct PieceNorms {
+    /// Empty until somebody has asked for them at this point.
     squares: Vec<Squares>,
     /// Which pieces have ended.
     ended: Vec<bool>,
+}
+
+impl PieceNorms {
+    /// The point is another one.
+    pub(super) fn forget(&mut self) {
+        self.squares.clear();
+    }
+
+    fn find(&mut self, objective: &Objective, point: &Point) {
+        if self.squares.is_empty() {
+            objective.find_squares(point, &mut self.squares);
+        }
+    }
 }
 
 impl Squares {
@@ -98,8 +112,8 @@ impl PdSolver {
         if self.config.tolerance.is_some() {
             return false;
         }
+        self.norms.find(&self.objective, &self.point);
         let PieceNorms { squares, ended } = &mut self.norms;
-        self.objective.find_squares(&self.point, squares);
         ended.clear();
         ended.extend(squares.iter().map(Squares::is_in_free_fall));
         if let Method::QuasiNewton(method) = &mut self.method {
@@ -118,12 +132,10 @@ impl PdSolver {
             Some(_) => BALANCE_TOLERANCE,
             None => BALANCED_VELOCITIES * self.config.velocity_tolerance,
         };
-        let squares = &mut self.norms.squares;
-        self.objective.find_squares(&self.point, squares);
+        self.norms.find(&self.objective, &self.point);
         let is_balanced = |of: &Squares| of.left <= tolerance * tolerance * of.forced;
-        squares
-            .iter()
-            .all(|of| is_balanced(of) || of.is_in_free_fall())
+        let mut squares = self.norms.squares.iter();
+        squares.all(|of| is_balanced(of) || of.is_in_free_fall())
     }
 
     /// Whether the forces at the point, in a step with active contacts, are no larger than those that it takes to end
@@ -133,9 +145,9 @@ impl PdSolver {
         if !self.has_contact() {
             return true;
         }
-        let squares = &mut self.norms.squares;
-        self.objective.find_squares(&self.point, squares);
-        squares.iter().all(|of| of.left <= of.velocity())
+        self.norms.find(&self.objective, &self.point);
+        let mut squares = self.norms.squares.iter();
+        squares.all(|of| of.left <= of.velocity())
     }
 
     /// How far velocities are from those of the minimum, over what `fraction` of the tolerance asks, squared: first by
@@ -156,8 +168,8 @@ impl PdSolver {
         let Method::QuasiNewton(method) = &mut self.method else {
             return [Real::INFINITY; 2];
         };
+        self.norms.find(&self.objective, &self.point);
         let PieceNorms { squares, ended } = &mut self.norms;
-        self.objective.find_squares(&self.point, squares);
         let wanted = (fraction * self.config.velocity_tolerance).powi(2);
         let over = |error: Real, velocity: Real| match error == 0.0 {
             true => 0.0,
