@@ -385,8 +385,10 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
         None
     }
 
-    /// How the distance resists a change of `z`: `I − ∂p/∂z` in 3 × 3 blocks (dimensionless), without its negative
-    /// eigenvalues, so that `w Sᵀ (I − ∂p/∂z) S` is the Hessian under [`Convexity::Clamp`].
+    /// How the distance resists a change of `z`: `I − ∂p/∂z` in 3 × 3 blocks (dimensionless), with the absolute values
+    /// of its eigenvalues, and 1 where one is below −1 ([`absolute_up_to_one`](crate::math::absolute_up_to_one)). So
+    /// `w Sᵀ (I − ∂p/∂z) S` is the Hessian under [`Convexity::Abs`], as long as nothing is shorter than half of its
+    /// length at rest.
     ///
     /// The identity, which it is by default, bounds it from above: exact where the projection is constant, as stiff in
     /// all directions elsewhere.

@@ -60,15 +60,22 @@ pub fn length_and_direction(d: Vec3, pair: [u32; 2]) -> (Real, Vec3) {
     }
 }
 
-/// Second derivative (dimensionless) of `½ (l − rest)²` by a vector of `length` l (m) and direction `n`, without its
-/// negative eigenvalues: `n nᵀ + (1 − rest/l)(I − n nᵀ)`, the second part only where l > rest.
+/// What stands for an eigenvalue of `I − ∂p/∂z` (dimensionless, at most 1) in a positive semi-definite matrix: its
+/// absolute value (as [`Convexity::Abs`](crate::element::Convexity::Abs)), and no more than 1, which bounds all others.
+#[inline(always)]
+#[must_use]
+pub fn absolute_up_to_one(eigenvalue: Real) -> Real {
+    eigenvalue.abs().min(1.0)
+}
+
+/// Second derivative (dimensionless) of `½ (l − rest)²` by a vector of `length` l (m) and direction `n`, with
+/// eigenvalues by [`absolute_up_to_one`]: `n nᵀ + min(|1 − rest/l|, 1)(I − n nᵀ)`.
 #[inline]
 #[must_use]
 pub fn projected_radial_hessian(length: Real, n: Vec3, rest: Real) -> Mat3 {
     let across = match length {
         _ if rest == 0.0 => 1.0, // ½ l² is smooth, also at 0
-        _ if length > rest => 1.0 - rest / length,
-        _ => 0.0,
+        _ => absolute_up_to_one(1.0 - rest / length),
     };
     let along = n * n.transpose();
     along * (1.0 - across) + Mat3::from_diagonal_element(across)

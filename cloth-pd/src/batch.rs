@@ -5,7 +5,7 @@
 
 use crate::local::apply;
 use cloth_core::element::Projective;
-use cloth_core::math::{Mat3, Real, Vec3, gather};
+use cloth_core::math::{Mat3, Real, Vec3, absolute_up_to_one, gather};
 
 /// Most elements in a batch.
 pub(crate) const BATCH_SIZE: usize = 32;
@@ -179,7 +179,7 @@ pub(crate) fn projected_hessians_on_spheres<
     let (mut across, mut along) = ([0.0; BATCH_SIZE], [0.0; BATCH_SIZE]);
     for lane in 0..BATCH_SIZE {
         let length = spheres.squared[lane].sqrt();
-        let c = (1.0 - spheres.radius[lane] / length).max(0.0);
+        let c = absolute_up_to_one(1.0 - spheres.radius[lane] / length);
         across[lane] = spheres.weight[lane] * c;
         along[lane] = spheres.weight[lane] * (1.0 - c) / spheres.squared[lane];
     }

@@ -32,7 +32,7 @@ pub struct AttachmentId(u32);
 /// | so many of these that a correction is dearer; another Δt | factorises, in the same pattern |
 /// | another mass, weight or stiffness; a new element or vertex | cannot: build another solver |
 ///
-/// With active contacts directions do without the factor (`newton.rs`). Without pairs, and where such a direction
+/// With active contacts directions do without the factor (`hessian.rs`). Without pairs, and where such a direction
 /// fails, it preconditions conjugate gradients (`contact.rs`).
 impl PdSolver {
     /// Grabs a vertex: from now on it moves with its own velocity whatever the forces.

@@ -10,13 +10,13 @@
 //! sheet, such as falling and swinging. Let P (a column per node of a coarse [`Lattice`] and axis) interpolate smooth
 //! displacements. Then
 //!
-//! `A⁻¹ + P V Pᵀ`,  V near `(Pᵀ H P)⁻¹`,  `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z)₊ S`
+//! `A⁻¹ + P V Pᵀ`,  V near `(Pᵀ H P)⁻¹`,  `H = M/Δt² + Σ w Sᵀ |I − ∂p/∂z| S`
 //!
 //! is the constant matrix for what stretches springs and Newton's method for what is smooth. What is both, smooth
 //! stretching, is corrected up to twice, as the parts are added, not applied one after the other, which would take a
-//! further product with H: clamped, I − ∂p/∂z lies between 0 and the I that A has, so 0 < H ≤ A. With an exact coarse
-//! solve A⁻¹H and P V PᵀH then have eigenvalues from 0 to 1, their sum up to 2, and a step of length 1 may turn such an
-//! error round. Pairs and line search mend that. What is neither, short waves across the cloth, both leave: A keeps
+//! further product with H: |I − ∂p/∂z| (`local.rs`) lies between 0 and the I that A has, so 0 < H ≤ A. With an exact
+//! coarse solve A⁻¹H and P V PᵀH then have eigenvalues from 0 to 1, their sum up to 2, and a step of length 1 may turn
+//! such an error round. Pairs and line search mend that. What is neither, short waves across the cloth, both leave: A keeps
 //! more of a wave the shorter it is ([crate page][1]), and the hats do not have it. Waves of shear that the hats do not
 //! have, long beside the springs all the same, A reduces by a quarter an iteration.
 //!

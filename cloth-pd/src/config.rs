@@ -18,8 +18,8 @@ pub struct PdConfig {
     /// A quasi-Newton step from [`StartGuess::Inertial`] that ends above `G(x[0])` is taken again from `x[0]`, with as
     /// many iterations once more.
     pub iterations: Option<u32>,
-    /// Most iterations of a step with `iterations: None`; at least 1. In quasi-Newton steps the second half of them has
-    /// the directions of a truncated Newton method, without contact too.
+    /// Most iterations of a step with `iterations: None`; at least 1. In quasi-Newton steps where nothing touches the
+    /// second half of them has the directions of a truncated Newton method.
     pub most_iterations: u32,
     /// A step with `iterations: None` and without a `tolerance` ends, as
     /// [`Converged`](cloth_core::step::Outcome::Converged), once `√(∇Gᵀ B ∇G) ≤ ε ‖x − x̃‖_M/Δt`, B the inverse Hessian
@@ -127,7 +127,7 @@ pub enum Acceleration {
     QuasiNewton {
         /// Pairs of differences that are remembered (m in the paper), 2 by default, at most 32. With 0 each direction
         /// is that of one global solve, with active contacts of up to ten. Else a step that is given contacts remembers
-        /// at least twenty until one is active: directions are then those of a truncated Newton method.
+        /// at least ten.
         history: u32,
     },
 }

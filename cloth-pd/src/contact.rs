@@ -5,11 +5,12 @@
 //! begin: λ and planes of friction from x[0];  truncate the path from x[0] to the start     begin, limit_each
 //! so many times, at the iterate x:
 //!     k, J of the active contacts                                                          linearize
-//!     solve with H + Σ k J Jᵀ, nearly: a direction d                                       newton.rs
+//!     L-BFGS around a multigrid cycle for H + Σ k J Jᵀ: a direction d                      hessian.rs
 //!     scale d to the trust radius
-//!     detect on the path from x to x + d, truncate it vertex by vertex                     limit_each
-//!     line search on G + C along what is left                                              backtrack
-//!     where that fails: the same with A in the place of H, and one length for all          below, limit
+//!     detect on the path from x to x + d, find how much of it is free                      limit
+//!     line search on G + C along that                                                      backtrack
+//!     where that fails: the same with d truncated vertex by vertex                         limit_each
+//!     where that fails: the same with A in the place of H                                  below, limit
 //! ```
 //! So candidates are detected in every iteration, for the path that is about to be taken, and `C`, `∇C` and the contact
 //! constraints of the next iteration are evaluated over them. An accepted path has no intersection, so nothing passes

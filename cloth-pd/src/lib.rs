@@ -159,8 +159,8 @@
 //!   for cloth on many levels Wu et al. 2022; in projective dynamics, with a subspace in the place of the grid, Lan et
 //!   al. 2024). The large slow motions are smooth: a few hundred unknowns on a lattice of trilinear hat functions
 //!   describe them, for which a Newton step is cheap. P is the prolongation, Pᵀ the restriction, and `PᵀHP` the
-//!   Galerkin coarse operator. H is the Hessian where the iteration starts, of the elements that A has; the negative
-//!   eigenvalues of each I − ∂p/∂z are set to zero (*clamped*, `local.rs`). The initial inverse Hessian becomes
+//!   Galerkin coarse operator. H is the Hessian where the iteration starts, of the elements that A has; of each
+//!   I − ∂p/∂z the absolute eigenvalues are taken, at most 1 (`local.rs`). The initial inverse Hessian becomes
 //!   `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`. A reduces what
 //!   stretches springs, the grid the smooth part of what turns them. Rough folds neither reduces; they are left to the
 //!   pairs. Smooth stretching both reduce, so it is corrected up to twice: pairs and line search mend that.
@@ -202,10 +202,10 @@
 //! | `G`, `∇G` | `objective.rs` |
 //! | A = M/Δt² + Σ w SᵀS, and what quasi-Newton leaves out of it | `matrix.rs` |
 //! | its factor, and what changes it | `global.rs`, [`WoodburyUpdate`] |
-//! | the global step, A d = g (in `quasi_newton.rs`, `newton.rs` d is the direction, −A⁻¹g) | [`PanelFactor::solve`] |
+//! | the global step, A d = g (in `quasi_newton.rs`, `hessian.rs` d is the direction, −A⁻¹g) | [`PanelFactor::solve`] |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | L-BFGS (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs`, [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory) |
-//! | `H + Σ k J Jᵀ` with active contacts, H of all elements; `A + Σ k J Jᵀ` | `newton.rs`; `contact.rs` |
+//! | `H + Σ k J Jᵀ` with active contacts, H of all elements; `A + Σ k J Jᵀ` | `hessian.rs`; `contact.rs` |
 //! | `P V Pᵀ`; H of the elements that A has | `lattice.rs`, `coarse.rs`; `local.rs` |
 //! | u = `(v + a * dt) * dt` (in `begin`) and, with it, x̃ | `objective.rs` |
 //! | the loop, the velocities | [`PdSolver`], `solver.rs` |
@@ -292,20 +292,20 @@
 //! extrapolate a displacement that contact has bounded. `contact.rs` has the order of an iteration, friction, and
 //! another way (Ly et al. 2020).
 //!
-//! - **Directions are those of a truncated Newton method** (`newton.rs`). A is as stiff across a spring as along it,
-//!   which is how cloth moves on what it touches: so few iterations with A, pairs or not, leave forces out of balance.
-//!   With active contacts the direction solves `(H + Σ k J Jᵀ) d = −∇G`, by conjugate gradients around a multigrid
-//!   cycle for that matrix. H is the clamped Hessian of inertia and all elements at the iterate, J the derivative of a
-//!   distance by the vertices and k ≥ 0 the second derivative of its energy
+//! - **Another matrix** (`hessian.rs`). A is as stiff across a spring as along it, which is how cloth moves on what it
+//!   touches: so few iterations with A, pairs or not, leave forces out of balance. With active contacts L-BFGS is
+//!   around a multigrid cycle for `H + Σ k J Jᵀ`. H is the Hessian of inertia and all elements at the iterate, with
+//!   absolute eigenvalues, J the derivative of a distance by the vertices and k ≥ 0 the second derivative of its energy
 //!   ([`ContactRow`](cloth_core::contact::ContactRow)), among them the volume of a closed surface
-//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)); nearly closed pairs get a second-order correction. The
-//!   constant matrix waits until nothing touches.
-//! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
-//!   the whole sheet. Displacements are truncated vertex by vertex (as by Wu et al. 2020 and Chen et al. 2025, but by
-//!   continuous collision detection: `contact.rs`; [`limit_each`](cloth_core::contact::ContactPotential::limit_each)),
-//!   on the way to the start around them too (`solver/start.rs`). Where that does not descend all have one length.
+//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)); nearly closed pairs get a second-order correction. Where
+//!   contact has cut five steps short, conjugate gradients around the cycle solve for the direction.
+//! - **A vertex may have a displacement bound of its own.** All follow the direction up to the first contact; where
+//!   that is next to nothing, a single contact would stop the whole sheet. Displacements are then truncated vertex by
+//!   vertex (as by Wu et al. 2020 and Chen et al. 2025, but by continuous collision detection: `contact.rs`;
+//!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)), as they are on the way to the start
+//!   (`solver/start.rs`).
 //! - **A trust radius bounds each direction**, since it does not account for contacts that are not active yet
-//!   (`quasi_newton.rs`). Without it a handkerchief on the corner of a table gained energy that nothing gave it.
+//!   (`in_contact.rs`). Without it a handkerchief on the corner of a table gained energy that nothing gave it.
 //! - **A step goes on until it is near enough**, as it does without contact: until forces balance (`‖∇G‖` at 10⁻⁵ of
 //!   `‖M (x − x̃)/Δt²‖`), until the Newton decrement meets the tolerance ([`PdConfig::velocity_tolerance`] has the
 //!   table), or up to [`PdConfig::most_iterations`]. If the step ends above `G` at the start all the same, it is
@@ -521,7 +521,7 @@
 //!    (`panel/parts.rs`: cut for threads); `woodbury.rs`: the solve after a change of a few rows; `change.rs`: pins,
 //!    attachments and elements that come and go.
 //! 5. `chebyshev.rs`, `quasi_newton.rs`, `coarse.rs` with `lattice.rs`: the accelerations.
-//! 6. `contact.rs`, `newton.rs`; `components.rs`: momentum of what nothing holds; `pin_work.rs`.
+//! 6. `contact.rs`, `hessian.rs`, `quasi_newton/in_contact.rs`; `components.rs`: momentum of what nothing holds; `pin_work.rs`.
 //!
 //! `tests/chapter` tests the claims of this page; its `main.rs` has a table of them. A step, and its rate of
 //! convergence, that can be followed by hand is `one_spring_ends_at_implicit_euler_in_closed_form` in its `minimum.rs`.
@@ -570,10 +570,10 @@ mod config;
 mod contact;
 mod deinterleaved;
 mod global;
+mod hessian;
 mod lattice;
 mod local;
 mod matrix;
-mod newton;
 mod objective;
 mod panel;
 mod pin_work;

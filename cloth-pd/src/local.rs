@@ -114,10 +114,10 @@
 //! (with σ₃ < 0 too, as U and V are rotations). Where all cₖ are 1, Z and stretches have 0. At σ₁ = σ₂ the quotient of
 //! Z has the limit c′.
 //!
-//! One below zero belongs to a compressed element, whose energy falls when it turns. For H it is set to zero
-//! ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)), element by element, so each adds a positive
-//! semi-definite matrix, and `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z)₊ S` is positive definite, at least M/Δt², and at most
-//! `M/Δt² + Σ w SᵀS` over the same elements: A, for the elements that A has.
+//! One below zero belongs to a compressed element, whose energy falls when it turns. H has its absolute value
+//! ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)), and 1 if that is more, element by element, so each adds a
+//! positive semi-definite matrix, and `H = M/Δt² + Σ w Sᵀ |I − ∂p/∂z| S` is positive definite, at least M/Δt², and at
+//! most `M/Δt² + Σ w SᵀS` over the same elements: A, for the elements that A has.
 
 use crate::batch::{BATCH_SIZE, projected_hessians_on_spheres, unpacked};
 use crate::global::Term;

@@ -17,7 +17,7 @@
 //! | drag of the air (quasi-Newton) | A lacks D/Δt | line search, as far as it goes |
 //! | pairs, coarse grid | the direction is not −A⁻¹g | line search |
 //! | extrapolation (Chebyshev) | x⁺ is not the minimum of Q | `G` is compared |
-//! | contact, friction | no squared distance, stiffness unbounded | another matrix (`newton.rs`), line search |
+//! | contact, friction | no squared distance, stiffness unbounded | another matrix (`hessian.rs`), line search |
 //! | p not the nearest point, or w that depends on x | Q ≥ `G` or ∇Q = ∇G fails | none: the element is wrong |
 //! | another energy, such as neo-Hookean | its Hessian may exceed A | not taken |
 //! | rounding of `G` | two values agree to 10⁻¹² of their size | the slope decides (`quasi_newton.rs`) |
@@ -50,7 +50,7 @@
 //! A line search tries twelve lengths. Along −A⁻¹g with bending left out of A, or in air, the last of them is taken
 //! even if `G` rose (`quasi_newton.rs`).
 //!
-//! All numbers are double precision, but those of the multigrid cycles (of the coarse grid, and of `newton.rs`), which
+//! All numbers are double precision, but those of the multigrid cycles (of the coarse grid, and of `hessian.rs`), which
 //! are single and only precondition. The rounding of a solve changes a direction and nothing else: g is computed anew
 //! from x in every iteration, so errors of solves do not add up. In single precision two values of `G` could not be
 //! told apart below some 10⁻⁷ of their size.

@@ -28,18 +28,13 @@
 //! no solve, and the accepted one is the evaluation that the next iteration needs. So an iteration that does not
 //! backtrack costs as much as a plain one, and the products with the pairs.
 //!
-//! *In contact* the direction is that of `newton.rs`, and no pairs are kept. It does not account for contacts that are
-//! not active yet: where cloth is light and soft it can be many times as long as the cloth. Detection then has all of
-//! that path to search, and truncation vertex by vertex leaves nothing of its shape. So the whole direction is first
-//! scaled down to a trust radius ([`TrustRadius`]). It begins at twice the longest displacement of the step without
-//! elasticity; an iteration that is cut below half of what was tried shrinks it to twice what it came to, one that only
-//! the radius has cut doubles it.
+//! *In contact* pairs are kept around another first inverse Hessian, and the step is bounded (`in_contact.rs`).
 //!
-//! *Where it is slow.* From half of the most iterations of a step on, the direction is that of `newton.rs` without
-//! contact too: light cloth that is drawn along by an edge folds anew in each step, and the pairs do not follow. Of
-//! twenty steps of a sheet of 33 × 33 vertices whose edge goes from rest to 2 m/s in the first, three do not end within
-//! 300 iterations, and so all do (`tests/chapter/step.rs` has a step of that kind). Sooner it takes more time, from two
-//! thirds on too few iterations are left.
+//! *Where it is slow.* From half of the most iterations of a step on, the direction is one of Newton's method where
+//! nothing touches: light cloth that is drawn along by an edge folds anew in each step, and the pairs do not follow.
+//! Of twenty steps of a sheet of 33 × 33 vertices whose edge goes from rest to 2 m/s in the first, three do not end
+//! within 300 iterations, and so all do (`tests/chapter/step.rs` has a step of that kind). Sooner it takes more time,
+//! from two thirds on too few iterations are left.
 //!
 //! *Where it fails.* A direction that ascends, or twelve lengths in vain: the pairs are cleared, and −A⁻¹∇G is taken,
 //! without the coarse grid. With the whole matrix, no contact and no air it lowers G by proof (`objective.rs`) and is
@@ -53,20 +48,21 @@
 //! *Tried in vain* against missing folds ([limits](crate#limits)): a start extrapolated with the last change of
 //! velocity, pairs kept from the step before, hats that are splines, blocks of the Hessian's diagonal as a third term.
 
+mod in_contact;
 mod memory;
 
 use crate::coarse::CoarseGrid;
 use crate::contact::{Contact, ContactSystem};
 use crate::global::GlobalSystem;
-use crate::newton::TruncatedNewton;
 use crate::objective::{Objective, Point};
 use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 use cloth_core::method::parallel::join;
 use cloth_core::method::pieces::Pieces;
-use cloth_core::method::trust::{TrustRadius, longest};
+use cloth_core::method::trust::longest;
 use cloth_core::method::vectors::dot;
+use in_contact::InContact;
 use memory::Memory;
 
 /// Two values of `G` that differ by less than this fraction of their size cannot be told apart.
@@ -76,18 +72,8 @@ pub(crate) const ROUNDING: Real = 1e-12;
 const APPROXIMATE_WOLFE: Real = 0.9;
 /// Step lengths tried along one direction, each at most half of the one before. Few, as a plain iteration comes next.
 const MAX_TRIALS: u32 = 12;
-/// Least number of pairs in a step that was given contacts, none of them active: with one, no pairs are kept.
-const CONTACT_HISTORY: usize = 20;
-/// First trust radius of a step with contact, over the longest displacement that it would have without elasticity:
-/// farther than that a direction may reach, but not the cloth.
-const INITIAL_RADIUS_RATIO: Real = 2.0;
-/// Where that is below this fraction of the first direction, elasticity or bodies alone move the cloth, and the first
-/// radius is infinite.
-const MIN_RADIUS_RATIO: Real = 0.01;
-/// Factor on the radius after a step that only the radius has shortened.
-const RADIUS_GROWTH: Real = 2.0;
-/// A step that comes less far than this fraction of what was tried shrinks the radius.
-const RADIUS_SHRINK_BELOW: Real = 0.5;
+/// Least number of pairs in a step that was given contacts.
+const CONTACT_HISTORY: usize = 10;
 
 /// The remembered pairs and the working memory.
 #[derive(Debug)]
@@ -99,20 +85,17 @@ pub(crate) struct QuasiNewton {
     /// The direction of descent (m), and the slope of `G` along it (J).
     direction: Vec<Vec3>,
     slope: Real,
+    /// What conjugate gradients have left out of the square of the decrement (J).
+    left: Real,
     /// Of each piece `gᵀ B g` (J) with the last direction before anything shortened it, B the inverse Hessian of the
     /// method: the square of the Newton decrement. Empty where it is not known.
     decrements: Vec<Real>,
     /// Pieces that have ended, of several that are not in contact; empty where none has.
     ended: Vec<bool>,
     next: Point,
-    /// In steps with contact, from the first direction on; and the first radius (m).
-    radius: Option<TrustRadius>,
-    first_radius: Real,
-    /// Made in the first step with contact; and the fraction of its displacement that each vertex may take
-    /// (dimensionless).
+    /// Made in the first step with contact.
     contact_system: Option<ContactSystem>,
-    newton: Option<TruncatedNewton>,
-    fractions: Vec<Real>,
+    in_contact: InContact,
     /// Iterations in this step, and of these the ones before directions are those of Newton's method anyway.
     iterations: u32,
     before_newton: u32,
@@ -128,14 +111,12 @@ impl QuasiNewton {
             work: zeros.clone(),
             direction: zeros,
             slope: 0.0,
+            left: 0.0,
             decrements: Vec::new(),
             ended: Vec::new(),
             next: Point::new(vertex_count),
-            radius: None,
-            first_radius: 0.0,
             contact_system: None,
-            newton: None,
-            fractions: Vec::new(),
+            in_contact: InContact::default(),
             iterations: 0,
             before_newton: u32::MAX,
         }
@@ -147,8 +128,7 @@ impl QuasiNewton {
     pub(crate) fn begin(&mut self, in_contact: Option<&[Vec3]>, before_newton: u32) {
         (self.iterations, self.before_newton) = (0, before_newton);
         self.ended.clear();
-        self.radius = None;
-        self.first_radius = INITIAL_RADIUS_RATIO * in_contact.map_or(0.0, longest);
+        self.in_contact.begin(in_contact.map_or(0.0, longest));
         self.memory.clear_for(match (self.requested, in_contact) {
             (0, _) => 0,
             (requested, Some(_)) => requested.max(CONTACT_HISTORY),
@@ -168,16 +148,16 @@ impl QuasiNewton {
         self.linearize_contacts(objective, point, contact);
         let mut done = Advance::default();
         self.iterations += 1;
-        if self.uses_newton_direction() {
+        if self.uses_hessian() {
             done.solves = 1;
-            done.linear_iterations = self.find_newton_direction(objective, point, contact);
-            if let Some(contact) = contact {
+            done.linear_iterations = self.find_hessian_direction(objective, point, contact);
+            if let Some(contact) = contact.as_mut().filter(|_| self.in_contact.is_fresh()) {
                 contact.update_multipliers(&point.positions, &self.direction);
             }
         } else {
             done.solves = self.find_direction(global, coarse, point);
         }
-        if !self.ended.is_empty() && !self.uses_newton_direction() {
+        if !self.ended.is_empty() && !self.uses_hessian() {
             objective.pieces.clear(&self.ended, &mut self.direction);
             self.slope = dot(&point.gradient, &self.direction);
         }
@@ -186,6 +166,9 @@ impl QuasiNewton {
         objective.pieces.sum(&mut self.decrements, along);
         if self.slope >= 0.0 {
             self.decrements.clear(); // the pairs mislead
+        } else if self.uses_hessian() {
+            let whole = 1.0 - self.left / self.slope;
+            self.decrements.iter_mut().for_each(|of| *of *= whole);
         }
         let found = match contact {
             None => self.search(objective, point, 1.0, contact, &mut done),
@@ -227,93 +210,9 @@ impl QuasiNewton {
         Ok(done)
     }
 
-    /// Searches along the direction as far as it is trusted, with each vertex as far as it alone may follow it, and
-    /// where that leads nowhere, with all vertices as far as the last may: what is left of a direction vertex by vertex
-    /// need not descend. Returns the length at which a lower point was found.
-    fn search_in_contact(
-        &mut self,
-        objective: &mut Objective,
-        point: &Point,
-        contact: &mut Contact<'_>,
-        done: &mut Advance,
-    ) -> Result<Option<Real>, ContactError> {
-        let is_shortened = self.shorten_to_radius();
-        let tried = longest(&self.direction);
-        if self.uses_newton_direction()
-            && let Some(newton) = &mut self.newton
-        {
-            newton.correct(contact, &point.positions, &mut self.direction);
-        }
-        self.work.copy_from_slice(&self.direction);
-        self.limit_each(point, contact)?;
-        self.slope = dot(&point.gradient, &self.direction);
-        let left = longest(&self.direction);
-        let found = self.search(objective, point, 1.0, contact, done);
-        let (length, displacement) = match found {
-            Some(length) => (length, length * left),
-            None => {
-                std::mem::swap(&mut self.work, &mut self.direction);
-                self.slope = dot(&point.gradient, &self.direction);
-                let most = self.limit(point, contact)?;
-                match self.search(objective, point, most, contact, done) {
-                    Some(length) => (length, length * tried),
-                    None => return Ok(None),
-                }
-            }
-        };
-        if let Some(radius) = &mut self.radius {
-            if displacement < RADIUS_SHRINK_BELOW * tried {
-                radius.shorten(displacement);
-            } else if is_shortened {
-                radius.grow();
-            }
-        }
-        Ok(Some(length))
-    }
-
-    /// Keeps the direction within the trust radius. Returns whether it was longer.
-    fn shorten_to_radius(&mut self) -> bool {
-        let (first, direction) = (self.first_radius, &self.direction);
-        let radius = self.radius.get_or_insert_with(|| {
-            let is_elastic = first < MIN_RADIUS_RATIO * longest(direction);
-            let first = if is_elastic { Real::INFINITY } else { first };
-            TrustRadius::new(first, RADIUS_GROWTH)
-        });
-        let fraction = radius.trust(&self.direction).fraction;
-        if fraction < 1.0 {
-            self.direction.iter_mut().for_each(|d| *d *= fraction);
-        }
-        fraction < 1.0
-    }
-
-    /// Whether directions are those of Newton's method: a contact was active where the last iteration began, or there
-    /// were many.
-    pub(crate) fn uses_newton_direction(&self) -> bool {
-        let system = self.contact_system.as_ref();
-        let is_in_contact = system.is_some_and(|system| !system.rows.is_empty());
-        self.requested > 0 && (is_in_contact || self.iterations > self.before_newton)
-    }
-
-    /// `direction` by [`TruncatedNewton`]; pairs do not go with it. Returns the number of iterations of conjugate
-    /// gradients.
-    fn find_newton_direction(
-        &mut self,
-        objective: &Objective,
-        point: &Point,
-        contact: &Contact<'_>,
-    ) -> u32 {
-        self.memory.clear();
-        let newton = self
-            .newton
-            .get_or_insert_with(|| TruncatedNewton::new(objective));
-        let iterations = newton.find(objective, contact, point, &mut self.direction);
-        self.slope = dot(&point.gradient, &self.direction);
-        iterations
-    }
-
     /// The pattern of the Hessian, or what can move, has changed.
     pub(crate) fn forget_hessian(&mut self) {
-        self.newton = None;
+        self.in_contact.forget_hessian();
     }
 
     /// Elements couple other vertices.
@@ -369,42 +268,6 @@ impl QuasiNewton {
         );
         self.slope = dot(&point.gradient, &self.direction);
         solves
-    }
-
-    /// Truncates the direction vertex by vertex, so that the path along it is free of intersections.
-    fn limit_each(&mut self, point: &Point, contact: &mut Contact<'_>) -> Result<(), ContactError> {
-        let Some(contact) = contact else {
-            return Ok(());
-        };
-        self.write_positions(point);
-        self.fractions.resize(point.positions.len(), 1.0);
-        contact.limit_each(
-            &point.positions,
-            &mut self.next.positions,
-            &mut self.fractions,
-        )?;
-        for (d, fraction) in self.direction.iter_mut().zip(&self.fractions) {
-            if *fraction < 1.0 {
-                *d *= *fraction;
-            }
-        }
-        Ok(())
-    }
-
-    /// The fraction of the direction that is free of intersections.
-    fn limit(&mut self, point: &Point, contact: &mut Contact<'_>) -> Result<Real, ContactError> {
-        let Some(contact) = contact else {
-            return Ok(1.0);
-        };
-        self.write_positions(point);
-        contact.limit(&point.positions, &self.next.positions)
-    }
-
-    /// Fills in the positions (m) at the end of the direction.
-    fn write_positions(&mut self, point: &Point) {
-        let moves = point.positions.iter().zip(&self.direction);
-        let ends = self.next.positions.iter_mut().zip(moves);
-        ends.for_each(|(to, (x, d))| *to = x + d);
     }
 
     /// `direction = −B g` with `B` the inverse Hessian that the pairs make of the first one. Returns the number of
@@ -484,7 +347,9 @@ impl QuasiNewton {
         std::mem::swap(point, &mut self.next);
         let (old, new) = (&self.next.gradient, &point.gradient);
         let step = (length, self.slope);
-        self.memory.push(step, &self.direction, old, new);
+        if self.makes_a_pair() {
+            self.memory.push(step, &self.direction, old, new);
+        }
     }
 }
 

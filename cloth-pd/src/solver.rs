@@ -409,7 +409,7 @@ impl PdSolver {
                     (false, false) => (MIN_ITERATIONS, NO_CONTACT_TOLERANCE_FACTOR),
                 };
                 let is_early = report.iterations - first < EARLY_NEWTON_ITERATIONS;
-                let (least, fraction) = match (self.is_newton(), is_early) {
+                let (least, fraction) = match (self.is_by_hessian(), is_early) {
                     (true, true) => (0, fraction * EARLY_TOLERANCE_FACTOR),
                     (true, false) => (0, fraction),
                     (false, _) => (least, fraction),
@@ -417,7 +417,7 @@ impl PdSolver {
                 let is_enough = report.iterations >= first + least;
                 let errors = self.velocity_errors(fraction, decrease, is_enough);
                 let is_met = relapses.accepts(errors);
-                if is_met && is_enough && (!self.is_newton() || self.is_near_balance()) {
+                if is_met && is_enough && (!self.is_by_hessian() || self.is_near_balance()) {
                     return Ok(Outcome::Converged);
                 }
             }

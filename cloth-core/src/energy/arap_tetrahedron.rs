@@ -7,7 +7,7 @@
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
 use crate::error::{OutOfRange, number};
-use crate::math::{Blocks, Mat3, Real, Vec3};
+use crate::math::{Blocks, Mat3, Real, Vec3, absolute_up_to_one};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// A tetrahedron that wants to be turned only: `E = μ V ‖F − R‖²` (J), R the rotation nearest to F.
@@ -215,9 +215,10 @@ impl Projective<4, 3> for ArapTetrahedron {
         for [i, j] in PAIRS {
             let loss = 2.0 / (singular.values[i] + singular.values[j]);
             let mode = singular.mode([i, j], -1.0);
+            let taken = 1.0 - absolute_up_to_one(1.0 - loss);
             for k in 0..3 {
                 for l in 0..3 {
-                    sum[k][l] -= mode.column(k) * mode.column(l).transpose() * loss.min(1.0);
+                    sum[k][l] -= mode.column(k) * mode.column(l).transpose() * taken;
                 }
             }
         }

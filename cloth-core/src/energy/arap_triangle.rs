@@ -10,7 +10,7 @@ use super::triangle_map::TriangleMap;
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
 use crate::error::{OutOfRange, number};
-use crate::math::{Blocks, Mat3, Real, Vec3, gather};
+use crate::math::{Blocks, Mat3, Real, Vec3, absolute_up_to_one, gather};
 use crate::mesh::TriMesh;
 
 /// A triangle that wants to be turned only: `E = ½ A k ‖F − R‖²` (J), R (3 × 2) the nearest map without strain.
@@ -214,9 +214,10 @@ impl Projective<3, 2> for ArapTriangle {
         ];
         for (loss, left, scale) in modes {
             let mode = singular.combine(left, [scale; 2]);
+            let taken = 1.0 - absolute_up_to_one(1.0 - loss);
             for k in 0..2 {
                 for l in 0..2 {
-                    sum[k][l] -= mode[k] * mode[l].transpose() * loss.min(1.0);
+                    sum[k][l] -= mode[k] * mode[l].transpose() * taken;
                 }
             }
         }

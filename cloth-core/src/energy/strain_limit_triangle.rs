@@ -9,7 +9,7 @@ use super::triangle_map::TriangleMap;
 use crate::cloth::Elements;
 use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Row};
 use crate::error::{OutOfRange, number};
-use crate::math::{Blocks, Mat3, Real, Vec3, gather};
+use crate::math::{Blocks, Mat3, Real, Vec3, absolute_up_to_one, gather};
 use crate::mesh::TriMesh;
 
 /// Costs nothing while the singular values σ of F (3 × 2, rest to present) are between σ_min and σ_max: two rows
@@ -193,9 +193,12 @@ impl Projective<3, 2> for StrainLimitTriangle {
             let value = if is_free { 0.0 } else { 1.0 };
             (value, singular.combine(singular.left, choice))
         });
-        let turning = self
-            .turns(&singular)
-            .map(|(value, left, scale)| (value.max(0.0), singular.combine(left, [scale; 2])));
+        let turning = self.turns(&singular).map(|(value, left, scale)| {
+            (
+                absolute_up_to_one(value),
+                singular.combine(left, [scale; 2]),
+            )
+        });
         let mut sum = [[Mat3::zeros(); 2]; 2];
         for (value, mode) in along.into_iter().chain(turning) {
             for k in 0..2 {

@@ -191,18 +191,15 @@ impl PdSolver {
         [farthest, by_decrease]
     }
 
-    /// Whether the last direction was one of Newton's method.
-    pub(super) fn is_newton(&self) -> bool {
-        matches!(&self.method, Method::QuasiNewton(method) if method.uses_newton_direction())
+    /// Whether the last direction was one by the Hessian.
+    pub(super) fn is_by_hessian(&self) -> bool {
+        matches!(&self.method, Method::QuasiNewton(method) if method.uses_hessian())
     }
 
     /// Whether a contact was active where the last iteration began.
     pub(super) fn has_contact(&self) -> bool {
         match &self.method {
-            Method::QuasiNewton(method) => {
-                let system = method.contact_system();
-                system.is_some_and(|system| !system.rows.is_empty())
-            }
+            Method::QuasiNewton(method) => method.touches(),
             _ => false,
         }
     }

@@ -181,10 +181,20 @@ pub fn press(name: &str, height_over_radius: Real, degrees: Real) -> Result<Meas
     let tail = ((height_over_radius - 1.0) * around / side).round();
     let strip = Strip::new(TURNS, tail as usize, 0.0, G)?;
     let angle = cells as Real * PI / TURNS as Real;
-    let outwards = Vec3::new(angle.sin(), 0.0, angle.cos());
-    let row = strip.row(strip.cells() / 2 + cells);
+    // On both sides: without friction nothing holds the strip at the top, and whatever is not quite symmetric grows.
+    let top = strip.cells() / 2;
+    let sides = [(top + cells, angle), (top - cells, -angle)];
+    let sides = sides.map(|(row, angle)| {
+        (
+            strip.row(row),
+            Vec3::new(angle.sin(), 0.0, angle.cos()) * 0.5,
+        )
+    });
     let force = mean_force(&strip.scene, name, 60, |forces| {
-        row.iter().map(|&v| forces.normal[v].dot(&outwards)).sum()
+        let of = |(row, outwards): &(Vec<usize>, Vec3)| -> Real {
+            row.iter().map(|&v| forces.normal[v].dot(outwards)).sum()
+        };
+        sides.iter().map(of).sum()
     })?;
     let height = (around + tail * side) / around;
     Ok(Measured::new(

@@ -84,16 +84,16 @@ fn floors_and_gaps_bear_the_weight_of_what_lies_on_them() {
     }
 }
 
-/// What is said above of half a turn, at other angles.
+/// What is said above of half a turn, at other angles; and where a strip presses it is a polygon, which is 0.2 to 0.28 %.
 #[test]
 fn strips_slip_and_press_as_far_around_as_they_go() {
-    for (name, most_ratio, most_pressure) in [
-        ("symplectic-euler", 0.035, 3e-3),
-        ("bdf2", 0.035, 1.1e-2),
-        ("linear-implicit", 0.18, 3e-3),
-        ("pd", 0.07, 5e-3),
-        ("xpbd", 0.035, 3e-3),
-        ("implicit-euler", 0.05, 4e-3),
+    for (name, most_ratio) in [
+        ("symplectic-euler", 0.035),
+        ("bdf2", 0.035),
+        ("linear-implicit", 0.18),
+        ("pd", 0.07),
+        ("xpbd", 0.035),
+        ("implicit-euler", 0.05),
     ] {
         for degrees in [45.0, 90.0, 135.0] {
             let Measured { expected, measured } = slip(name, degrees, MU).unwrap();
@@ -106,7 +106,7 @@ fn strips_slip_and_press_as_far_around_as_they_go() {
         for degrees in [22.5, 45.0, 67.5] {
             let Measured { expected, measured } = press(name, 3.0, degrees).unwrap();
             let error = (measured.0 / expected.0 - 1.0).abs();
-            assert!(error < most_pressure, "{name}, {degrees}°: {error}");
+            assert!(error < 3e-3, "{name}, {degrees}°: {error}");
         }
     }
 }

@@ -38,7 +38,7 @@ fn every_way_of_the_study_shows_where_its_iterations_lead() {
     }
     let known = [
         ("implicit-euler", [Some(3), Some(5), Some(12)]),
-        ("pd", [Some(5), Some(8), Some(14)]),
+        ("pd", [Some(5), Some(8), Some(17)]),
         ("xpbd", [Some(4), Some(46), None]),
         ("pbd, from the material", [Some(20), None, None]),
         ("pd, plain", [None; 3]),
@@ -69,15 +69,16 @@ fn two_methods_end_at_the_same_minimiser_with_contact() {
     }
 }
 
-/// Where cloth buckles, thirty iterations of projective dynamics with the constant matrix alone leave a part of a step,
-/// ten with directions of Newton's method hardly any, and the sweeps of XPBD in one substep come nearer slowly.
+/// Where cloth buckles, thirty iterations of projective dynamics with the constant matrix alone leave most of a step,
+/// by L-BFGS around a cycle for the Hessian a twentieth, and eighty hardly any; the sweeps of XPBD in one substep come
+/// nearer slowly.
 #[test]
 fn few_iterations_are_far_from_the_minimiser_where_cloth_buckles() {
     let problem = problem(MOMENTS[0]);
-    let pd = [10, 30].map(|n| error(&problem, "pd", &format!("iterations={n}")));
-    assert!(pd[0] < 1e-5 && pd[1] < 1e-8, "{pd:?}");
+    let pd = [30, 80, 160].map(|n| error(&problem, "pd", &format!("iterations={n}")));
+    assert!(pd[0] < 0.06 && pd[1] < 1e-3 && pd[2] < 1e-5, "{pd:?}");
     let plain = error(&problem, "pd", "acceleration=none iterations=30");
-    assert!(plain > 0.01, "{plain:e}");
+    assert!(plain > 0.7, "{plain:e}");
     let sweeps = [10, 100, 1000].map(|n| format!("substeps=1 iterations={n}"));
     let xpbd = sweeps.map(|settings| error(&problem, "xpbd", &settings));
     assert!(
