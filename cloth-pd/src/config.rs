@@ -15,7 +15,7 @@ pub struct PdConfig {
     /// takes. Plain and Chebyshev iterations have no estimate for the second: without a `tolerance` they are ten where
     /// nothing touches.
     ///
-    /// A quasi-Newton step from [`StartGuess::Inertial`] that ends above `G(x[0])` is taken again from `x[0]`, with as
+    /// A quasi-Newton step from [`StartGuess::Extrapolated`] or `Inertial` that ends above `G(x[0])` is taken again from `x[0]`, with as
     /// many iterations once more.
     pub iterations: Option<u32>,
     /// Most iterations of a step with `iterations: None`; at least 1. In quasi-Newton steps where nothing touches the
@@ -90,8 +90,13 @@ pub enum StartGuess {
     /// have gained energy, on which a tangle feeds (or not: an elastic bounce, from v to −v, ends above it too).
     /// [`Acceleration::QuasiNewton`] then takes the step again, from `x[0]`. A component of the cloth that nothing
     /// holds is shifted as a whole besides, so that its momentum is right from the start.
-    #[default]
     Inertial,
+    /// In a step with contact that continues another one of the same size with contact,
+    /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`: half of what the last step changed once more, which turns the velocity
+    /// along with the cloth, so that the step begins in the folds that the last one has made. In every other step
+    /// `Inertial`, and with what is said there.
+    #[default]
+    Extrapolated,
     /// `x̃`: where the vertices would go without elasticity.
     Predicted,
 }
@@ -139,7 +144,7 @@ impl Default for PdConfig {
             most_iterations: 300,
             velocity_tolerance: 0.1,
             tolerance: None,
-            start: StartGuess::Inertial,
+            start: StartGuess::Extrapolated,
             acceleration: Acceleration::QuasiNewton { history: 2 },
         }
     }

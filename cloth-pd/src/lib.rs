@@ -302,10 +302,10 @@
 //! - **A vertex may have a displacement bound of its own.** All follow the direction up to the first contact; where
 //!   that is next to nothing, a single contact would stop the whole sheet. Displacements are then truncated vertex by
 //!   vertex (as by Wu et al. 2020 and Chen et al. 2025, but by continuous collision detection: `contact.rs`;
-//!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)), as they are on the way to the start
-//!   (`solver/start.rs`).
+//!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)), as on the way to the start (`solver/start.rs`).
 //! - **A trust radius bounds each direction**, since it does not account for contacts that are not active yet
 //!   (`in_contact.rs`). Without it a handkerchief on the corner of a table gained energy that nothing gave it.
+//!   A step begins in the folds that the last one has made ([`StartGuess::Extrapolated`]).
 //! - **A step goes on until it is near enough**, as it does without contact: until forces balance (`‖∇G‖` at 10⁻⁵ of
 //!   `‖M (x − x̃)/Δt²‖`), until the Newton decrement meets the tolerance ([`PdConfig::velocity_tolerance`] has the
 //!   table), or up to [`PdConfig::most_iterations`]. If the step ends above `G` at the start all the same, it is

@@ -9,7 +9,7 @@ pub use builder::PdBuilder;
 use crate::chebyshev::Chebyshev;
 use crate::coarse::CoarseGrid;
 use crate::components::FreeComponents;
-use crate::config::{PdConfig, StartGuess};
+use crate::config::PdConfig;
 use crate::contact::Contact;
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
@@ -19,6 +19,7 @@ use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 use end::{PieceNorms, Relapses};
+use start::Before;
 
 /// Projective dynamics; see the [crate documentation](crate).
 ///
@@ -69,6 +70,7 @@ pub struct PdSolver {
     truncation: FadingTruncation,
     /// `v[1]` (m/s).
     velocities: Vec<Vec3>,
+    before: Before,
     norms: PieceNorms,
 }
 
@@ -131,8 +133,9 @@ impl Stepper for PdSolver {
             ..StepReport::new(Outcome::Converged, 0)
         };
         let reference = self.reference();
-        self.start(state);
         let mut source = input.contacts.take();
+        let is_in_contact = source.is_some();
+        self.start(state, is_in_contact);
         let mut contact = source.as_mut().map(|source| source.potential());
         let solved = self.solve(state, reference, &mut report, &mut input, &mut contact);
         solved.map_err(|reason| StepError::Contact { reason, step })?;
@@ -146,6 +149,7 @@ impl Stepper for PdSolver {
         if let Some(contact) = contact {
             contact.end(&self.point.positions, &self.velocities);
         }
+        self.remember(state, input.dt, is_in_contact);
         state.positions.copy_from_slice(&self.point.positions);
         state.velocities.copy_from_slice(&self.velocities);
         state.time += input.dt;
@@ -431,7 +435,7 @@ impl PdSolver {
     }
 
     /// Goes back to `x[0]`, with free components where their momentum takes them, if `G` is higher at the point, where
-    /// the quasi-Newton method has gone from [`StartGuess::Inertial`], than there. Returns whether it did.
+    /// the quasi-Newton method has gone where the motion leads, than there. Returns whether it did.
     ///
     /// `G(x[1]) ≤ G(x[0])` bounds the potential energy that a step can make. Every iteration lowers `G`, so a start at
     /// `x[0]` has that; one that goes on with the velocity can end above it, where the cloth is so tangled that the
@@ -455,7 +459,7 @@ impl PdSolver {
         contact: &mut Contact<'_>,
     ) -> Result<bool, ContactError> {
         let is_watched = matches!(self.method, Method::QuasiNewton(_))
-            && self.config.start == StartGuess::Inertial
+            && self.config.start.goes_on()
             && self.point.is_evaluated;
         if !is_watched || self.point.value <= 0.0 {
             return Ok(false);

@@ -12,7 +12,7 @@ crate::settings! {
         most_iterations: u32 = 300 in AtLeast(1.0), "most iterations per step, with iterations=auto";
         velocity_tolerance: Real = 0.1 in AtLeast(0.0), "decrement at which a step is done, over the change of velocity, with iterations=auto";
         tolerance: Option<Real> = "none", "relative gradient norm at which a step is done, or none";
-        start: StartGuess = "inertial", "first guess: previous, inertial or predicted";
+        start: StartGuess = "extrapolated", "first guess: previous, inertial, extrapolated or predicted";
         acceleration: Accelerated = "quasi-newton", "none, chebyshev or quasi-newton";
         history: u32 = 2, "pairs that quasi-newton remembers";
         coarse: u32 = 12, "cells a side of the coarse grid under quasi-newton; 0: none";
@@ -35,6 +35,7 @@ impl Choice for StartGuess {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("previous", Self::Previous),
         ("inertial", Self::Inertial),
+        ("extrapolated", Self::Extrapolated),
         ("predicted", Self::Predicted),
     ];
 }

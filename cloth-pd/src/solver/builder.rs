@@ -1,6 +1,7 @@
 //! The builder of the solver: elements, coarse grid and settings, checked and assembled.
 
 use super::end::PieceNorms;
+use super::start::Before;
 use super::{Method, PdSolver};
 use crate::chebyshev::Chebyshev;
 use crate::coarse::CoarseGrid;
@@ -207,6 +208,7 @@ impl PdBuilder {
             feasible: zeros.clone(),
             truncation: FadingTruncation::default(),
             velocities: zeros,
+            before: Before::default(),
             norms: PieceNorms::default(),
         })
     }

@@ -6,23 +6,71 @@ use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 
+/// Fraction of the last change of velocity that an extrapolated start expects once more: all of it overshoots where
+/// wrinkles oscillate.
+const EXPECTED_CHANGE: Real = 0.5;
+
+/// Of the last step, if it was one with contact: the velocities (m/s) where it began, and its size (s), else 0.
+#[derive(Debug, Default)]
+pub(super) struct Before {
+    velocities: Vec<Vec3>,
+    dt: Real,
+}
+
+impl StartGuess {
+    /// Whether the motion goes on at the start.
+    pub(super) fn goes_on(self) -> bool {
+        matches!(self, Self::Inertial | Self::Extrapolated)
+    }
+}
+
 impl PdSolver {
-    /// Puts the iterate where the iteration starts: q = 0, Δt v[0] or u, and u for a prescribed vertex.
-    pub(super) fn start(&mut self, state: &State) {
+    /// Puts the iterate where the iteration starts: q = 0, Δt v[0], Δt (v[0] + ½ (v[0] − v[−1])) or u, and u for a
+    /// prescribed vertex.
+    pub(super) fn start(&mut self, state: &State, is_in_contact: bool) {
+        let dt = self.objective.dt();
+        let is_extrapolated = self.config.start == StartGuess::Extrapolated
+            && is_in_contact
+            && self.continues(state, dt);
+        let before = is_extrapolated.then_some(&self.before.velocities[..]);
         let (particles, inertial) = (&self.objective.particles, &self.objective.inertial);
         let q = &mut self.point.displacement;
         for (vertex, q) in q.iter_mut().enumerate() {
             *q = match self.config.start {
                 _ if particles.is_prescribed(vertex) => inertial[vertex],
                 StartGuess::Previous => Vec3::zeros(),
-                StartGuess::Inertial => state.velocities[vertex] * self.objective.dt(),
+                StartGuess::Inertial | StartGuess::Extrapolated => {
+                    let v = state.velocities[vertex];
+                    let change = before.map_or(Vec3::zeros(), |before| v - before[vertex]);
+                    (v + change * EXPECTED_CHANGE) * dt
+                }
                 StartGuess::Predicted => inertial[vertex],
             };
         }
-        if self.config.start == StartGuess::Inertial {
+        if self.config.start.goes_on() {
             self.free_components.align(self.objective.momentum(), q);
         }
         self.point.is_evaluated = false;
+    }
+
+    /// Whether the state is the one that the last step left, which was of the same size (s) and in contact too.
+    fn continues(&self, state: &State, dt: Real) -> bool {
+        let is_kept = |vertex| {
+            state.positions[vertex] == self.point.positions[vertex]
+                && (self.objective.particles.is_prescribed(vertex)
+                    || state.velocities[vertex] == self.velocities[vertex])
+        };
+        self.before.dt == dt && (0..self.velocities.len()).all(is_kept)
+    }
+
+    /// Remembers where the step began, which is done, for the next one.
+    pub(super) fn remember(&mut self, state: &State, dt: Real, is_in_contact: bool) {
+        if is_in_contact && self.config.start == StartGuess::Extrapolated {
+            self.before.velocities.clone_from(&state.velocities);
+            self.before.dt = dt;
+        } else {
+            self.before.dt = 0.0;
+        }
     }
 
     /// Begins contact, and truncates the displacement to the start, less what a piece that flies has in common, where
