@@ -61,7 +61,7 @@ pub fn length_and_direction(d: Vec3, pair: [u32; 2]) -> (Real, Vec3) {
 }
 
 /// What stands for an eigenvalue of `I − ∂p/∂z` (dimensionless, at most 1) in a positive semi-definite matrix: its
-/// absolute value (as [`Convexity::Abs`](crate::element::Convexity::Abs)), and no more than 1, which bounds all others.
+/// absolute value, as by [`Convexity::Abs`], and no more than 1, which bounds all others.
 #[inline(always)]
 #[must_use]
 pub fn absolute_up_to_one(eigenvalue: Real) -> Real {
