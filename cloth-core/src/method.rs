@@ -82,6 +82,7 @@ pub mod linear;
 pub mod multigrid;
 
 pub mod contact_hessian;
+pub mod in_contact;
 
 pub mod position_based;
 

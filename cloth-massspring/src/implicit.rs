@@ -63,6 +63,7 @@ use cloth_core::contact::{ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
 use cloth_core::method::family::Energies;
+use cloth_core::method::in_contact::EXPECTED_CHANGE;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 use damper::Damper;
@@ -281,10 +282,6 @@ enum TimePoint {
     /// Its middle; the end is as far again.
     Middle,
 }
-
-/// Fraction of the last change of velocity that the start guess expects once more: all of it overshoots where wrinkles
-/// oscillate.
-const EXTRAPOLATED: Real = 0.5;
 
 /// What is said where Newton's method meets contact.
 const NOT_NEWTON: &str = "Newton's linear systems have no place for contact, the quasi-Newton method has (`Solve::QuasiNewton`)";
@@ -553,7 +550,7 @@ impl Implicit {
             let change = speed - std::mem::replace(&mut self.before.0[vertex], speed);
             match self.config.start {
                 _ if self.particles.is_prescribed(vertex) => {}
-                StartGuess::Extrapolated if follows => *start += change * (EXTRAPOLATED * tau),
+                StartGuess::Extrapolated if follows => *start += change * (EXPECTED_CHANGE * tau),
                 StartGuess::Inertial | StartGuess::Extrapolated => {}
                 StartGuess::Previous => *start = state.positions[vertex],
                 StartGuess::Predicted => *start = self.predicted[vertex],

@@ -33,12 +33,8 @@ use crate::objective::Objective;
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::block_matrix::PatternBuilder;
 use cloth_core::method::contact_hessian::ContactHessian;
+use cloth_core::method::in_contact::NEWTON_DIRECTION;
 use cloth_core::method::multigrid::Prolongation;
-
-/// Residual, in the norm of the cycle and relative to the first, at which conjugate gradients end.
-const CG_TOLERANCE: Real = 0.1;
-/// Most iterations of conjugate gradients.
-const MAX_CG_ITERATIONS: u32 = 30;
 
 /// The Hessian H, and a multigrid cycle for it.
 #[derive(Debug)]
@@ -129,8 +125,7 @@ impl CurrentHessian {
     /// Writes `−H⁻¹ g` (m) to `out` for a gradient g (N), to a tenth of the residual. Returns what that leaves out of
     /// `gᵀ H⁻¹ g` (J), nearly, and the number of iterations of conjugate gradients.
     pub(crate) fn solve(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, u32) {
-        let end = (CG_TOLERANCE, MAX_CG_ITERATIONS);
-        self.system.solve(end, gradient, out)
+        self.system.solve(NEWTON_DIRECTION, gradient, out)
     }
 
     /// The second-order correction of the direction (m) that was found last, at x (m), or of what is left of it

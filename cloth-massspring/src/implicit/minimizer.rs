@@ -17,6 +17,7 @@ use cloth_core::contact::{ContactError, ContactPotential, ContactStep, FadingTru
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::Energies;
+use cloth_core::method::in_contact::{HALVED_BELOW, VERTEX_BY_VERTEX_BELOW};
 use cloth_core::method::trust::TrustRadius;
 use cloth_core::method::vectors::dot;
 use cloth_core::particles::Particles;
@@ -42,12 +43,6 @@ const NEWTON_HANDOVER_ROUNDING: Real = 1e4;
 /// least this fraction of the velocity that the energy would make.
 const MIN_RELEASED_SPEED: Real = 1e-3;
 
-/// Fraction of a direction below which one step length for all vertices is given up for one each.
-const VERTEX_BY_VERTEX_BELOW: Real = 0.01;
-/// Fraction of a direction below which only half of what contact leaves of it is followed. Where a path turns into a
-/// pair, the gap falls with the square of the length: the whole of what is free leaves a fifth of the gap, and the next
-/// step is as short; half of it leaves 1 − ¼ · ⅘ = ⅘.
-const HALVED_BELOW: Real = 0.1;
 /// Factor on the trust radius after a step to its end that has not been shortened.
 const RADIUS_GROWTH: Real = 4.0;
 

@@ -14,21 +14,12 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::contact_hessian::ContactHessian;
 use cloth_core::method::family::{Assembly, Energies};
+use cloth_core::method::in_contact::{
+    FIRST_ITERATIONS, MAX_SHORTENED_STEPS, NEWTON_DIRECTION, REFRESH_INTERVAL, SHORTENED_BELOW,
+};
 use cloth_core::method::limited_memory::LimitedMemory;
 use cloth_core::method::vectors::dot;
 
-/// Iterations at the start of a step that recompute the matrix each, with predicted forces.
-const PREDICTED_FORCE_ITERATIONS: u32 = 4;
-/// Iterations after which the matrix is recomputed.
-const REFRESH_INTERVAL: u32 = 8;
-/// Fraction of a direction below which a step in contact counts as shortened, and the number of such steps after which
-/// directions are those of the truncated Newton method.
-const SHORTENED_BELOW: Real = 0.25;
-const MAX_SHORTENED_STEPS: u32 = 5;
-/// Residual, in the norm of the cycle and relative to the first, at which conjugate gradients end.
-const CG_TOLERANCE: Real = 0.1;
-/// Most iterations of conjugate gradients.
-const MAX_CG_ITERATIONS: u32 = 30;
 /// Pairs that are kept.
 const HISTORY: usize = 5;
 
@@ -75,7 +66,7 @@ impl QuasiNewton {
         self.hessian.clear_contacts();
     }
 
-    /// Recomputes the matrix at `current` if it is time. `before` is the iterate before, or the start of the step (m).
+    /// Recomputes the matrix at `current` if it is time, in the first iterations with predicted forces. `before` is the iterate before, or the start of the step (m).
     /// Returns whether it did.
     pub(super) fn refresh(
         &mut self,
@@ -85,7 +76,7 @@ impl QuasiNewton {
         is_start: bool,
     ) -> bool {
         let x = &current.positions[..];
-        let is_mixed = self.iterations < PREDICTED_FORCE_ITERATIONS;
+        let is_mixed = self.iterations < FIRST_ITERATIONS;
         if !is_mixed && self.age < REFRESH_INTERVAL && !self.is_often_shortened() {
             return false;
         }
@@ -130,8 +121,7 @@ impl QuasiNewton {
         self.iterations += 1;
         self.age += 1;
         if self.is_often_shortened() {
-            let end = (CG_TOLERANCE, MAX_CG_ITERATIONS);
-            let (left, iterations) = self.hessian.solve(end, gradient, out);
+            let (left, iterations) = self.hessian.solve(NEWTON_DIRECTION, gradient, out);
             return (dot(gradient, out), left, iterations);
         }
         let hessian = &mut self.hessian;
@@ -169,7 +159,7 @@ impl QuasiNewton {
         from: &[Vec3],
         to: &[Vec3],
     ) {
-        if self.iterations >= PREDICTED_FORCE_ITERATIONS && !self.is_often_shortened() {
+        if self.iterations >= FIRST_ITERATIONS && !self.is_often_shortened() {
             self.history.push(length, self.slope, direction, from, to);
         }
     }

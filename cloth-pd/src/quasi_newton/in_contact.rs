@@ -23,6 +23,10 @@ use crate::hessian::CurrentHessian;
 use crate::objective::{Objective, Point};
 use cloth_core::contact::ContactError;
 use cloth_core::math::Real;
+use cloth_core::method::in_contact::{
+    FIRST_ITERATIONS, HALVED_BELOW, MAX_SHORTENED_STEPS, REFRESH_INTERVAL, SHORTENED_BELOW,
+    VERTEX_BY_VERTEX_BELOW,
+};
 use cloth_core::method::trust::{TrustRadius, longest};
 use cloth_core::method::vectors::dot;
 
@@ -36,19 +40,6 @@ const MIN_RADIUS_RATIO: Real = 0.01;
 const RADIUS_GROWTH: Real = 2.0;
 /// A step that comes less far than this fraction of what was tried shrinks the radius.
 const RADIUS_SHRINK_BELOW: Real = 0.5;
-/// Fraction of a direction that is free of intersections, below which one length for all vertices is given up for one
-/// each.
-const VERTEX_BY_VERTEX_BELOW: Real = 0.01;
-/// Below this fraction only half of it is followed. Where a path turns into a pair, the gap falls with the square of
-/// the length: the whole of what is free leaves a fifth of the gap, and the next step is as short.
-const HALVED_BELOW: Real = 0.1;
-/// Iterations at the start of a step that take the Hessian anew each, and those after which it is taken anew.
-const FIRST_ITERATIONS: u32 = 4;
-const REFRESH_INTERVAL: u32 = 8;
-/// Fraction of a direction below which a step counts as shortened, and the number of such steps after which directions
-/// are those of the truncated Newton method.
-const SHORTENED_BELOW: Real = 0.25;
-const MAX_SHORTENED_STEPS: u32 = 5;
 
 /// What is kept of the steps with active contacts.
 #[derive(Debug, Default)]

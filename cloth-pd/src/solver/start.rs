@@ -4,11 +4,8 @@ use super::PdSolver;
 use crate::config::StartGuess;
 use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::in_contact::EXPECTED_CHANGE;
 use cloth_core::particles::State;
-
-/// Fraction of the last change of velocity that an extrapolated start expects once more: all of it overshoots where
-/// wrinkles oscillate.
-const EXPECTED_CHANGE: Real = 0.5;
 
 /// Of the last step, if it was one with contact: the velocities (m/s) where it began, and its size (s), else 0.
 #[derive(Debug, Default)]
