@@ -14,8 +14,8 @@
 //! *Why absolute values.* Where an element is compressed its energy falls when it turns, with an eigenvalue below zero.
 //! With zero in its place only inertia resists such a motion: the direction goes many times as far as G falls, and
 //! however long a step is taken of it, everything else in it is as short. G then falls into the next minimum, with more
-//! and smaller folds than there are between it and a lower one. A sheet of 33 × 33 vertices that wraps a ball fell 6 %
-//! too little with zeros, by 1 % with absolute values.
+//! and smaller folds than there are between it and a lower one. A sheet of 33 × 33 vertices that wraps a ball fell 3 %
+//! less far than by converged implicit Euler with zeros, 1 % with absolute values (mean of 8 to 16 places).
 //!
 //! *Bending.* The pattern of H has the pairs of vertices that springs, triangles and tetrahedra couple. A quadratic
 //! hinge couples its wing tips i and j too. Their entry v is lumped: it is left out, and |v| is added to both diagonal

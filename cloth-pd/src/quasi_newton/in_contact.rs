@@ -12,10 +12,10 @@
 //! tried shrinks it to twice what it came to, one that only the radius has cut doubles it. Then all vertices follow the
 //! direction up to the first contact. Where that is next to nothing each vertex goes as far as it alone can.
 //!
-//! *Tried.* Newton's directions from the first on, or from the first step that is cut: less time, and less far a fall.
-//! Never: a fifth more time. Newton's directions once the decrement is small: what is smooth ends with an error of 10⁻⁷
-//! in the place of 10⁻³, and a handkerchief that should slide off a corner stays there. Five pairs or twenty, and
-//! steps longer than the direction where much of its slope is left: no difference.
+//! *Tried.* Newton's directions from the first step that is cut on: less time, and a sheet that wraps a ball falls 3 %
+//! less far. Never: a fifth more time. Newton's directions once the decrement is small: what is smooth ends with an
+//! error of 10⁻⁷ in the place of 10⁻³, but that sheet falls 1 to 2 % less far. Five pairs or twenty, and steps longer
+//! than the direction where much of its slope is left: no difference.
 
 use super::{Advance, QuasiNewton};
 use crate::contact::Contact;

@@ -28,8 +28,8 @@ fn sheets_land_on_each_other_where_the_converged_motion_has_them() {
 }
 
 /// A ribbon folds on a floor as far by projective dynamics as by the converged step, within two parts in a hundred.
-/// With zero in the place of the negative eigenvalues of compressed springs directions lead to other minima, with more
-/// and smaller folds: it then lags behind by 3 to 7 %.
+/// With Newton's directions from the first on, and zeros in the place of the negative eigenvalues of compressed springs,
+/// it lagged behind by 3 to 7 %.
 #[test]
 fn a_ribbon_folds_as_far_by_projective_dynamics_as_converged() {
     for n in [17, 21, 25] {
