@@ -509,8 +509,9 @@ impl Implicit {
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) {
         let tau = interval.tau;
-        let follows =
-            interval.at == TimePoint::End && self.before.1 == tau && self.continues(state);
+        // The base of a step of BDF2 goes on with the change already.
+        let is_euler = interval.at == TimePoint::End && tau == input.dt;
+        let follows = is_euler && self.before.1 == tau && self.continues(state);
         self.before.1 = tau;
         if let Some(air) = &mut input.air {
             air.linearize(&state.positions, &state.velocities);
