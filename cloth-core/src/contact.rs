@@ -40,12 +40,8 @@ impl ContactStep<'_> {
         velocities: &[Vec3],
     ) -> Result<(), ContactError> {
         let lists = [self.from, positions, velocities];
-        let lengths = lists.map(<[Vec3]>::len);
-        let lengths = lengths.into_iter().chain([self.inverse_mass.len()]);
-        if let Some(found) = lengths.into_iter().find(|&found| found != vertex_count) {
-            let expected = vertex_count;
-            return Err(ContactError::VertexCount { expected, found });
-        }
+        let lengths = lists.into_iter().map(<[Vec3]>::len);
+        same_length(vertex_count, lengths.chain([self.inverse_mass.len()]))?;
         if !(self.dt > 0.0 && self.dt.is_finite()) {
             return Err(ContactError::InvalidStep { dt: self.dt });
         }
@@ -62,6 +58,23 @@ impl ContactStep<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// Whether lists have one entry per vertex.
+///
+/// # Errors
+/// [`ContactError::VertexCount`].
+pub fn same_length(
+    vertex_count: usize,
+    lengths: impl IntoIterator<Item = usize>,
+) -> Result<(), ContactError> {
+    match lengths.into_iter().find(|&found| found != vertex_count) {
+        Some(found) => Err(ContactError::VertexCount {
+            expected: vertex_count,
+            found,
+        }),
+        None => Ok(()),
     }
 }
 
@@ -271,6 +284,10 @@ impl Projection {
         x: &mut [Vec3],
         v: &mut [Vec3],
     ) -> Result<(), ContactError> {
+        same_length(x.len(), [v.len()])?;
+        if let Some(vertex) = v.iter().position(|v| !is_finite(v)) {
+            return Err(ContactError::NonFinite { vertex });
+        }
         self.free.clear();
         self.free.extend_from_slice(x);
         contacts.begin_substep(step, x)?;

@@ -118,7 +118,8 @@
 //! Numbers are checked where a mesh, masses, a cloth, air or an [`enclosure`] is made ([`TriMesh::new`],
 //! [`Particles::new`], [`Cloth::on`], [`air::Air::new`]). The constructors of elements in [`energy`] take stiffnesses
 //! and rest shapes as they are, negative and infinite ones too; only strain limits panic, if they are negative or out
-//! of order. The builder of a solver checks its settings, and that every vertex exists.
+//! of order. The builder of a solver checks its settings, that every vertex exists, and the numbers of elements
+//! ([`Element::check`](element::Element::check)).
 //!
 //! # Features
 //!

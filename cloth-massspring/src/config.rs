@@ -300,6 +300,7 @@ impl ImplicitConfig {
     pub(crate) fn check(&self) -> Result<(), BuildError> {
         not_negative("tolerance", self.tolerance)?;
         at_least_one("max_iterations", self.max_iterations)?;
+        self.linear.check()?;
         if self.solve != Solve::Linearized
             && self.accept == Accept::Minimum
             && !self.linear.proves_definiteness()

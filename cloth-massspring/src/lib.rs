@@ -570,9 +570,7 @@
 //!   2006, <https://doi.org/10.1007/978-0-387-40065-5>, chapter 3. L-BFGS: J. Nocedal, "Updating quasi-Newton matrices
 //!   with limited storage", Math. Comp. 35, 1980, <https://doi.org/10.1090/S0025-5718-1980-0572855-7>; R. H. Byrd, J.
 //!   Nocedal, R. B. Schnabel, Math. Prog. 63, 1994, <https://doi.org/10.1007/BF01582063>.
-//! - J. W. Ruge, K. Stüben, "Algebraic multigrid", in *Multigrid Methods*, SIAM 1987,
-//!   <https://doi.org/10.1137/1.9781611971057.ch4>. R. Tamstorf, T. Jones, S. F. McCormick, "Smoothed aggregation
-//!   multigrid for cloth simulation", ACM TOG 34(6), 2015, <https://doi.org/10.1145/2816795.2818081>.
+//! - Multigrid: the [references](cloth_core::method::multigrid#references) of `cloth-core`.
 
 #![forbid(unsafe_code)]
 
@@ -593,8 +591,10 @@ pub use stability::stable_time_step;
 pub use cloth_core;
 #[doc(no_inline)]
 pub use cloth_core::{
+    element::Convexity,
     energy::Spring,
     math::Vec3,
+    method::linear::{LinearMethod, StoppingCriteria},
     particles::{Particles, State},
     step::{BuildError, StepError, StepInput, StepReport, Stepper},
 };

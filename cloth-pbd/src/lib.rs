@@ -347,8 +347,8 @@
 //!
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`]: a setting out of its range, an element that names a vertex twice or
-//!   one that is missing, elements that are no constraints. k is [not checked](#limits) here, but
-//!   [`Cloth::on`](cloth_core::Cloth::on) refuses one that is negative or not finite, [`Particles::new`] a mass that is
+//!   one that is missing, elements that are no constraints, a stiffness that is no number. Its sign is
+//!   [not checked](#limits) here, but [`Cloth::on`](cloth_core::Cloth::on) refuses one that is negative or not finite, [`Particles::new`] a mass that is
 //!   not positive and finite.
 //! - **A mesh** is refused by [`TriMesh::new`](cloth_core::TriMesh::new) with a [`MeshError`](cloth_core::MeshError),
 //!   an edge of three or more triangles by whatever asks for edges, as [`Cloth::on`](cloth_core::Cloth::on) and
@@ -490,8 +490,8 @@
 //!   one stiff body: waves and folds of any length die out alike, and the fraction counts steps, not seconds. So it is
 //!   not offered; scale velocities between steps for more. No speed is clamped either.
 //! - Isotropic materials only: no moduli of their own along warp and weft. (Springs made by hand may each have a k.)
-//! - Stiffnesses are taken to be zero, positive or infinite, and not checked. A negative one pushes away from C = 0;
-//!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].
+//! - Stiffnesses are taken to be zero, positive or infinite; NaN is refused, a sign not. A negative one pushes away from
+//!   C = 0; where `k h² w̃ ≤ −1` there is no s, and the step ends with [`StepError::NonFinite`].
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;

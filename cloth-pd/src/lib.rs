@@ -337,9 +337,8 @@
 //! - **Degenerate elements are no error.** A spring whose ends coincide projects to a direction that its vertex numbers
 //!   give, so a cloth collapsed to a point unfolds; a triangle collapsed to a line or a point has singular vectors
 //!   chosen for it. A triangle without rest area has no weight, and is left out.
-//! - **Of an element only vertices and weight are checked.** A hinge made by hand whose A₀ + A₁ is 0 has no finite
-//!   weight: `OutOfRange`; one area of 0 the first step finds: `NotPositiveDefinite`, or `NonFinite` at prescribed
-//!   vertices. A spring made by hand with L < 0 is taken: its p is the farthest point of a sphere and not the nearest,
+//! - **Of an element vertices, weight, and that its numbers are numbers are checked.** A hinge made by hand whose A₀ + A₁
+//!   is 0 has no finite weight, and one area of 0 no finite coefficients: both are refused. A spring made by hand with L < 0 is taken: its p is the farthest point of a sphere and not the nearest,
 //!   so it has the forces of ½ k (‖z‖ − L)², and the bound of `objective.rs` does not hold.
 //! - **Cloth that no pin holds is no error**, nor is a part of it: it falls, with its momentum kept (`components.rs`).
 //! - **No convergence is no error.** A step is [`Converged`](cloth_core::step::Outcome::Converged)

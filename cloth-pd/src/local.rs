@@ -194,8 +194,8 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
-    /// Leaves out the elements that have no weight, and sorts the others for the sums. Of an element vertices and
-    /// weight are checked, and nothing else: not the sign of a rest length, for instance.
+    /// Leaves out the elements that have no weight, and sorts the others for the sums. Of an element vertices,
+    /// weight, and that its numbers are numbers are checked: not the sign of a rest length, for instance.
     pub(crate) fn new(mut elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
         check_vertices(&elements, particles.len())?;
         for (number, element) in elements.iter().enumerate() {

@@ -428,14 +428,14 @@
 //! far as the sweeps have converged: add its family last. `cloth-pbd` has a projection after the step.
 //!
 //! # Errors and bad input
-//! - **Masses** are checked by [`Particles::new`]: they and their inverses have to be positive and finite. Stiffnesses
-//!   and rest data are *not* checked. What k < 0 does is with the [units](#units).
+//! - **Masses** are checked by [`Particles::new`]: they and their inverses have to be positive and finite. A
+//!   stiffness that is no number and rest data that are not finite are refused by the builder, a negative stiffness is
+//!   not. What k < 0 does is with the [units](#units).
 //! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or substeps,
 //!   negative or non-finite damping, relaxation outside (0, 2), …), or the element and the vertex that is missing or
 //!   named twice.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, or if gravity, loads, positions or
-//!   velocities are not finite (the first such vertex is named), and if its *result* is not finite, as with a stiffness
-//!   or a rest length that is NaN; with contact also by [`StepError::Contact`], above. In all cases the state is what
+//!   velocities are not finite (the first such vertex is named), and if its *result* is not finite; with contact also by [`StepError::Contact`], above. In all cases the state is what
 //!   it was before the step, and the solver can be used again.
 //! - **The direct solver** may besides return [`BuildError::MatrixTooLarge`], [`StepError::NotPositiveDefinite`] and
 //!   [`StepError::LineSearchStalled`]. **A state or load of the wrong length** is a bug of the caller and panics.

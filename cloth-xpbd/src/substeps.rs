@@ -169,10 +169,21 @@ impl SubstepRule {
     /// contact makes one piece carry another.
     ///
     /// # Panics
-    /// If the wanted strain or the number of sweeps is not above 0.
+    /// If the wanted strain or the number of sweeps is not above 0, a number is negative or not finite, or a spring
+    /// names a vertex that does not exist.
     #[must_use]
     pub fn substeps(&self, particles: &Particles, springs: &[Spring], dt: Real) -> u32 {
         assert!(self.strain > 0.0 && self.iterations > 0, "{self:?}");
+        let numbers = [self.gravity.norm(), self.fall, self.driven, self.tension];
+        assert!(
+            numbers.iter().all(|n| *n >= 0.0 && n.is_finite()),
+            "{self:?}"
+        );
+        let exists = |v: &u32| (*v as usize) < particles.len();
+        assert!(
+            springs.iter().all(|s| s.vertices.iter().all(exists)),
+            "springs of another mesh"
+        );
         let longest = self.longest(particles, springs);
         // A quotient that rounding has put above a whole number is that number.
         let count = (dt / longest.min(LONGEST) * (1.0 - 1e-12)).ceil();

@@ -510,3 +510,44 @@ fn what_friction_holds_by_one_method_it_holds_by_all() {
         assert!(slip < 3e-4, "{method}: {slip} m");
     }
 }
+
+/// A ball that slides and rolls down a slope, with little friction: pressure and friction between the two bodies are
+/// told apart, and are those of the law.
+#[test]
+fn pressure_and_friction_between_bodies_are_told_apart() {
+    let [slope, mu, weight]: [f64; 3] = [0.3, 0.05, 9.81];
+    let normal = Vec3::new(slope.sin(), 0.0, slope.cos());
+    let down = Vec3::new(slope.cos(), 0.0, -slope.sin());
+    let at = normal * 0.1;
+    let text = format!(
+        "[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [5, 5, 5]\n[[pins]]\nvertices = [0, 1, 2]\n\
+         [[obstacle]]\nshape = \"plane\"\nrotate = [0, {slope}, 0]\nfriction = {mu}\n[[obstacle]]\n\
+         shape = \"sphere\"\nradius = 0.1\nmass = 1\nposition = [{}, 0, {}]\nfriction = {mu}\n",
+        at.x, at.z
+    );
+    let scene = scene("slope", &text);
+    for method in ["xpbd", "pd"] {
+        let (mut pressure, mut friction, mut count) = (Vec3::zeros(), Vec3::zeros(), 0.0);
+        watch(&scene, method, "", 40, |moment| {
+            let forces = moment.forces.unwrap();
+            let [plane, ball] = forces.bodies[..] else {
+                panic!("two bodies")
+            };
+            assert!((plane.force + ball.force).norm() < 1e-12 * weight);
+            assert!((plane.friction + ball.friction).norm() < 1e-12 * weight);
+            // It rests on the plane at first.
+            if moment.state.steps > 10 {
+                let off = ball.normal() - normal * ball.normal().dot(&normal);
+                assert!(off.norm() < 1e-3 * weight, "{method}: {off:?}");
+                let slack = ball.friction + down * (mu * ball.normal().norm());
+                assert!(slack.norm() < 1e-3 * weight, "{method}: {slack:?}");
+                (pressure, friction) = (pressure + ball.normal(), friction + ball.friction);
+                count += 1.0;
+            }
+        });
+        let carried = (pressure / count).norm() / (weight * slope.cos());
+        let braked = (friction / count).norm() / (mu * weight * slope.cos());
+        println!("{method}: {carried} {braked}");
+        assert!((carried - 1.0).abs() < 0.02 && (braked - 1.0).abs() < 0.02);
+    }
+}

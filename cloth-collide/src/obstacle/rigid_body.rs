@@ -7,6 +7,9 @@ use cloth_core::mesh::TriMesh;
 use nalgebra::{Matrix3, Matrix6, Vector6};
 use std::f64::consts::PI;
 
+/// By how much a moment of inertia may be above the sum of the two others, over it: those of a disk are equal.
+const ROUNDING: Real = 1e-9;
+
 /// A rigid body of mass m with the inertia J about its centre of mass, which is the origin of its frame.
 ///
 /// Its momentum P and angular momentum L are what is integrated, so that both change by impulses and by nothing else.
@@ -28,7 +31,8 @@ impl RigidBody {
     /// A body of this mass (kg) and inertia (kg·m²), in its own frame about the origin, which gravity (m/s²) pulls.
     ///
     /// # Errors
-    /// [`ObstacleError::OutOfRange`] for a mass or a principal moment of inertia that is not above zero,
+    /// [`ObstacleError::OutOfRange`] for a mass or a principal moment of inertia that is not above zero, or a moment
+    /// that is larger than the two others together (`∫x² + y² ≤ ∫y² + z² + ∫z² + x²`),
     /// [`ObstacleError::NonFinite`] for a moment of inertia, or gravity.
     pub fn new(mass: Real, inertia: Matrix3<Real>, gravity: Vec3) -> Result<Self, ObstacleError> {
         positive("mass of a body (kg)", mass)?;
@@ -41,6 +45,14 @@ impl RigidBody {
         let least = moments.iter().copied().fold(Real::INFINITY, Real::min);
         let name = "moment of inertia of a body (kg·m²)";
         positive(name, least)?;
+        let greatest = moments.max() / (moments.sum() - moments.max());
+        if greatest > 1.0 + ROUNDING {
+            return Err(ObstacleError::from(OutOfRange {
+                name: "largest principal moment of inertia of a body, over the sum of the two others,",
+                value: greatest,
+                range: "at most 1",
+            }));
+        }
         let inverse_inertia = inertia.try_inverse();
         Ok(Self {
             mass,

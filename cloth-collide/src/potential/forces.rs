@@ -105,11 +105,17 @@ impl Ledger {
     /// Impulses (N·s, N·m·s) of what stops free bodies, and those on the bodies that do.
     pub(super) fn add_stops(&mut self, free: &FreeBodies, stops: &Stops, per: Real) {
         let free = free.list.iter().filter(|free| !free.is_held);
-        let stopped = free.map(|free| (free.number, free.stop));
+        let stopped = free.map(|free| {
+            (
+                free.number,
+                [free.stop[0], free.stop[1], free.stop_friction],
+            )
+        });
         let reactions = stops.reactions.iter().copied().enumerate();
-        for (number, [impulse, angular]) in stopped.chain(reactions) {
+        for (number, [impulse, angular, friction]) in stopped.chain(reactions) {
             let body = &mut self.impulses.bodies[number];
             body.force += impulse * per;
+            body.friction += friction * per;
             body.torque += angular * per;
         }
     }
@@ -160,7 +166,7 @@ impl ContactForces {
 }
 
 impl BodyForce {
-    /// What is not friction with the cloth (N): along the normals of contact, and what stops a free body.
+    /// What is not friction (N): along the normals of contact, and what holds a body that nothing else can stop.
     #[must_use]
     pub fn normal(&self) -> Vec3 {
         self.force - self.friction

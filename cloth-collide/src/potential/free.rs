@@ -17,8 +17,9 @@ pub(super) struct FreeBody {
     pub(super) momenta: [Vec3; 2],
     /// That of the step (N·s, N·m·s) about its position at the end.
     impulse: [Vec3; 2],
-    /// That of what stops it.
+    /// That of what stops it, and the friction (N·s) in it.
     pub(super) stop: [Vec3; 2],
+    pub(super) stop_friction: Vec3,
     /// What that has changed of its velocities (m/s, rad/s) so far.
     pub(super) change: [Vec3; 2],
     /// By how far (m) the push of the cloth in the last step would have changed its displacement in that step: it has
@@ -71,6 +72,7 @@ impl FreeBody {
             momenta: body.momenta(obstacle.motion()),
             impulse: [Vec3::zeros(); 2],
             stop: [Vec3::zeros(); 2],
+            stop_friction: Vec3::zeros(),
             change: [Vec3::zeros(); 2],
             pushed: 0.0,
             is_halted: false,
@@ -206,6 +208,7 @@ impl Contacts {
             if free.is_halted {
                 let [needed, _] = free.body.momenta(&motion);
                 free.stop = [free.stop[0] - needed, -free.momenta[1]];
+                free.stop_friction = Vec3::zeros();
                 motion = RigidMotion::still(free.place);
             }
             let moved = obstacle.set_motion(motion);

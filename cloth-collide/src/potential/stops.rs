@@ -58,8 +58,8 @@ pub(super) struct Stops {
     prescribed: Vec<[u32; 3]>,
     meetings: Vec<Meeting>,
     /// Impulses (N·s, N·m·s about their positions) on bodies that have stopped free ones in the (sub)step, and are not
-    /// free themselves.
-    pub(super) reactions: Vec<[Vec3; 2]>,
+    /// free themselves; and the friction (N·s) in them.
+    pub(super) reactions: Vec<[Vec3; 3]>,
 }
 
 /// A point at which a body is stopped.
@@ -146,8 +146,8 @@ impl Meeting {
         self.ends().map(of).sum()
     }
 
-    /// Gives the bodies an impulse (N·s).
-    fn push(&self, bodies: &mut [FreeBody], push: Vec3) {
+    /// Gives the bodies an impulse (N·s), and the `friction` in it (N·s).
+    fn push(&self, bodies: &mut [FreeBody], push: Vec3, friction: Vec3) {
         for (number, sign, arm) in self.ends() {
             let free = &mut bodies[number];
             let change = free.velocity_by(push * sign, arm);
@@ -156,6 +156,7 @@ impl Meeting {
             }
             free.stop[0] += push * sign;
             free.stop[1] += arm.cross(&(push * sign));
+            free.stop_friction += friction * sign;
         }
     }
 }
@@ -207,6 +208,7 @@ impl Stops {
                 let impulse = -(meeting.normal * meeting.impulse + meeting.friction);
                 self.reactions[number][0] += impulse;
                 self.reactions[number][1] += meeting.arms[1].cross(&impulse);
+                self.reactions[number][2] -= meeting.friction;
             }
         }
     }
@@ -219,14 +221,14 @@ impl Contacts {
         self.free
             .list
             .iter_mut()
-            .for_each(|free| free.stop = [Vec3::zeros(); 2]);
+            .for_each(|free| (free.stop, free.stop_friction) = ([Vec3::zeros(); 2], Vec3::zeros()));
         if self.free.list.is_empty() {
             return;
         }
         self.stops.reactions.clear();
         self.stops
             .reactions
-            .resize(self.bodies.len(), [Vec3::zeros(); 2]);
+            .resize(self.bodies.len(), [Vec3::zeros(); 3]);
         let cloth = self.near.cloth;
         self.stops
             .update_prescribed(&self.near, &step.inverse_mass[..cloth]);
@@ -405,7 +407,8 @@ impl FreeBodies {
                 let missing = meeting.missing - normal.dot(&meeting.change(&self.list));
                 let more = missing / meeting.inverse_effective_mass(&self.list, normal);
                 let impulse = (meeting.impulse + more).max(0.0);
-                meeting.push(&mut self.list, normal * (impulse - meeting.impulse));
+                let push = normal * (impulse - meeting.impulse);
+                meeting.push(&mut self.list, push, Vec3::zeros());
                 meeting.impulse = impulse;
                 let slip = meeting.slip + across(meeting.change(&self.list), normal);
                 let Some(direction) = slip.try_normalize(0.0) else {
@@ -416,7 +419,8 @@ impl FreeBodies {
                     meeting.friction - slip / inverse_effective_mass,
                     meeting.coefficient * impulse,
                 );
-                meeting.push(&mut self.list, friction - meeting.friction);
+                let push = friction - meeting.friction;
+                meeting.push(&mut self.list, push, push);
                 meeting.friction = friction;
             }
         }

@@ -456,9 +456,8 @@ impl ContactPotential for PotentialContacts {
             }
             let (all, to) = self.surfaces.all(step.dt);
             match self.contacts.begin(&all, to) {
-                Ok(()) => break,
                 Err(error) if self.gives_way(&error) => {}
-                Err(error) => return Err(error),
+                begun => break begun?,
             }
         }
         self.surfaces.take(start);
@@ -469,6 +468,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
+        cloth_core::contact::same_length(self.surfaces.cloth, [from.len(), to.len()])?;
         let (from, to) = self.surfaces.path(from, to);
         self.contacts.limit(from, to)
     }
@@ -480,6 +480,7 @@ impl ContactPotential for PotentialContacts {
         fractions: &mut [Real],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
+        cloth_core::contact::same_length(surfaces.cloth, [from.len(), to.len(), fractions.len()])?;
         surfaces.path(from, to);
         self.contacts
             .limit_each(&surfaces.from, &mut surfaces.to, &mut surfaces.fractions)?;
@@ -489,6 +490,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        assert_eq!([x.len(), out.len()], [self.surfaces.cloth; 2], "vertices");
         if self.contacts.is_clear_of_surfaces() {
             return self.contacts.add_gradient(x, out);
         }
@@ -570,14 +572,13 @@ impl ContactConstraints for PotentialContacts {
         loop {
             let (all, to) = self.surfaces.with(step.dt, x);
             match self.contacts.end_substep(&all, to) {
-                Ok(()) => break,
                 Err(error) if self.gives_way(&error) => {
                     self.begin_substep(step, x)?;
                     for _ in 0..FEASIBLE_START_SWEEPS {
                         ContactConstraints::sweep(self, step, x);
                     }
                 }
-                Err(error) => return Err(error),
+                ended => break ended?,
             }
         }
         self.surfaces.take(x);

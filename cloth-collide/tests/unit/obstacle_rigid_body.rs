@@ -90,4 +90,12 @@ fn what_cannot_be_moved_is_refused() {
     assert!(RigidBody::new(0.0, identity, Vec3::zeros()).is_err());
     assert!(RigidBody::new(1.0, -identity, Vec3::zeros()).is_err());
     assert!(RigidBody::new(1.0, identity, Vec3::new(Real::NAN, 0.0, 0.0)).is_err());
+    // Of a disk one moment is the sum of the two others; of nothing is it more.
+    let moments = |largest| Matrix3::from_diagonal(&Vec3::new(1.0, largest, 1.0));
+    assert!(RigidBody::new(1.0, moments(2.0), Vec3::zeros()).is_ok());
+    let error = RigidBody::new(1.0, moments(2.1), Vec3::zeros()).unwrap_err();
+    assert!(
+        error.to_string().contains("the sum of the two others"),
+        "{error}"
+    );
 }

@@ -7,7 +7,7 @@
 use super::cotangent::{Cotangents, on_each_hinge};
 use crate::cloth::Elements;
 use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
-use crate::error::{OutOfRange, number};
+use crate::error::{OutOfRange, finite, number};
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
@@ -90,6 +90,12 @@ impl Element<4> for CurvatureHinge {
     }
 
     fn check(&self) -> Result<(), OutOfRange> {
+        for coefficient in self.coefficients {
+            finite(
+                "coefficient, of a triangle with an area at rest,",
+                coefficient,
+            )?;
+        }
         number("stiffness", self.stiffness)?;
         Ok(())
     }

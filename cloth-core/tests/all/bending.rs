@@ -4,7 +4,7 @@ use crate::element_checks::{
     balanced, convex_choices_are_convex, derivatives_agree, is_invariant, noise, shape,
 };
 use cloth_core::check;
-use cloth_core::element::{Constraint, Convexity, Energy};
+use cloth_core::element::{Constraint, Convexity, Element, Energy};
 use cloth_core::energy::{CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring};
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
@@ -94,6 +94,19 @@ fn a_hinge_without_wings_has_no_angle_and_makes_no_nan() {
             balanced(&dihedral, &nearly);
         }
     }
+}
+
+/// A rest shape without area has no cotangents; builders ask.
+#[test]
+fn a_hinge_of_a_triangle_without_area_is_refused() {
+    let with_tip = |y| {
+        let rest = [[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [1.0, y]];
+        let rest = rest.map(|[x, y]| Vec3::new(x, y, 0.0));
+        CurvatureHinge::new(VERTICES, &rest, 2.5).check()
+    };
+    assert!(with_tip(-1.0).is_ok());
+    let error = with_tip(0.0).unwrap_err();
+    assert!(error.to_string().contains("coefficient"), "{error}");
 }
 
 #[test]

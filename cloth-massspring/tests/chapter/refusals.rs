@@ -8,7 +8,8 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
 use cloth_massspring::{
-    ExplicitConfig, HessianPolicy, ImplicitConfig, ImplicitEuler, Solve, SymplecticEuler,
+    ExplicitConfig, HessianPolicy, ImplicitConfig, ImplicitEuler, LinearMethod, Solve,
+    StoppingCriteria, SymplecticEuler,
 };
 
 /// Steps from `state`, which must not change.
@@ -136,6 +137,14 @@ fn settings_out_of_range() {
         },
         ImplicitConfig {
             max_iterations: 0,
+            ..ImplicitConfig::default()
+        },
+        // Of the solver that would only take over.
+        ImplicitConfig {
+            linear: LinearMethod::Multigrid(StoppingCriteria {
+                tolerance: Real::NAN,
+                ..StoppingCriteria::default()
+            }),
             ..ImplicitConfig::default()
         },
     ] {

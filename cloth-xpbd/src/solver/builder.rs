@@ -112,11 +112,12 @@ use cloth_core::step::BuildError;
 /// round, while ½ k C² stays continuous.
 ///
 /// # Rest shapes
-/// The triangles of a [`TriMesh`](cloth_core::mesh::TriMesh) have an area, and elements made on one are sound. Those
-/// made by hand (`new`) are not checked. With a rest triangle or tetrahedron without area or volume
+/// The triangles of a [`TriMesh`](cloth_core::mesh::TriMesh) have an area, and elements made on one are sound. Of those
+/// made by hand (`new`) the builder checks that their numbers are numbers. With a rest triangle or tetrahedron without
+/// area or volume
 ///
-/// - a `CurvatureHinge` has infinite q or NaN, and the first step is refused with
-///   [`StepError::NonFinite`](cloth_core::step::StepError::NonFinite);
+/// - a `CurvatureHinge` has infinite q or NaN, and is refused with
+///   [`BuildError::InvalidElement`](cloth_core::step::BuildError::InvalidElement);
 /// - a `StvkTriangle` does nothing: its k is A₀ times a modulus, 0;
 /// - an `AreaTriangle` and a `VolumeTetrahedron` have k = K/0 = ∞, hard rows that keep it so;
 /// - a `DihedralHinge` beside it takes θ₀ = 0.

@@ -296,3 +296,44 @@ fn pieces_that_nothing_joins_need_no_more_substeps_than_alone() {
     assert_eq!(beside, alone[0].max(alone[1]));
     assert!(joined > 2 * beside);
 }
+
+/// No number of substeps is right for what is no number.
+#[test]
+fn a_rule_of_numbers_that_are_none_is_a_mistake() {
+    let cloth = Cloth {
+        areal_density: 0.2,
+        membrane: Membrane::SpringStiffness(1e4),
+        bending_rigidity: 0.0,
+    };
+    let model = cloth.on(&square(3, 1.0)).unwrap();
+    let rule = SubstepRule {
+        strain: 0.1,
+        gravity: ACROSS,
+        fall: 1.0,
+        driven: 0.0,
+        tension: 0.0,
+        iterations: 1,
+    };
+    let mut stray = model.springs.clone();
+    stray[0].vertices[1] = 9;
+    let wrong = [
+        SubstepRule {
+            gravity: ACROSS * Real::NAN,
+            ..rule
+        },
+        SubstepRule { fall: -1.0, ..rule },
+        SubstepRule {
+            driven: Real::INFINITY,
+            ..rule
+        },
+        SubstepRule {
+            tension: Real::NAN,
+            ..rule
+        },
+    ];
+    let asked = wrong.map(|rule| (rule, &model.springs)).into_iter();
+    for (rule, springs) in asked.chain([(rule, &stray)]) {
+        let count = || rule.substeps(&model.particles, springs, 1.0 / 60.0);
+        assert!(std::panic::catch_unwind(count).is_err(), "{rule:?}");
+    }
+}

@@ -208,6 +208,22 @@ impl Default for LinearMethod {
 }
 
 impl LinearMethod {
+    /// Whether its numbers are in their range; [`build`](Self::build) asks.
+    ///
+    /// # Errors
+    /// [`BuildError::OutOfRange`].
+    pub fn check(&self) -> Result<(), BuildError> {
+        match self {
+            #[cfg(feature = "cholesky")]
+            Self::Cholesky => Ok(()),
+            Self::ConjugateGradients(criteria)
+            | Self::Multigrid(criteria)
+            | Self::Jacobi(criteria)
+            | Self::ChebyshevJacobi(criteria)
+            | Self::GaussSeidel(criteria) => criteria.check(),
+        }
+    }
+
     /// A solver for matrices of that pattern; `is_free[v]` says whether vertex `v` takes part, `rest` (m) where it is
     /// at rest. Only multigrid asks for that, to weight its levels with; without, all weights are equal, and it
     /// converges more slowly.
