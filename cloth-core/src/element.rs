@@ -100,6 +100,10 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
     /// which resists motion out of its plane by its curvature alone.
     const HAS_NUMERICAL_EIGENVALUES: bool = false;
 
+    /// Whether its second derivative jumps within reach, as where a dead zone ends: what iterations have learnt of it on
+    /// one side is wrong on the other.
+    const HAS_JUMPS: bool = false;
+
     /// Whether [`Elements`] has a case for them, which a builder takes then. Elements of your own leave it out.
     #[doc(hidden)]
     const IS_IN_ELEMENTS: bool = false;

@@ -43,7 +43,8 @@ impl fmt::Display for EnclosureError {
             Self::OutOfRange(error) => write!(f, "the {error}"),
             Self::Open([a, b]) => write!(
                 f,
-                "what is inside would escape: the surface has a boundary between vertices {a} and {b}"
+                "what is inside would escape: the surface has a boundary between vertices {a} and {b} (sewing does not \
+                 close it, one mesh without a border does)"
             ),
             Self::InconsistentlyOriented([a, b]) => write!(
                 f,

@@ -284,8 +284,8 @@
 //!   the last 200, and where the line search finds nothing lower
 //!   ([`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts both). It also makes the end where a
 //!   tolerance below 10⁻⁵ or a minimum ([`Accept::Minimum`]) is asked for. What needs the fallback are very stiff
-//!   springs on thin cloth (10⁶ N/m and more below 10⁻⁵ N·m), and springs with slack, a range of lengths without force
-//!   ([`DeadZone`](cloth_core::cloth::SpringLaw::DeadZone)); the example `materials` prints a table.
+//!   springs on thin cloth (10⁶ N/m and more below 10⁻⁵ N·m); the example `materials` prints a table. Springs with
+//!   [slack](cloth_core::cloth::SpringLaw::DeadZone) take Newton's directions from the 33rd iteration on.
 //!
 //! # Pin and drag
 //! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to

@@ -32,8 +32,8 @@ const NO_TIME: Real = 1e-12;
 /// every pair that could come near has passed the conservative [`ContinuousTest`](crate::ContinuousTest), or a plane
 /// that keeps it apart at both ends.
 ///
-/// Vertices of the surface that are not prescribed stay out of obstacles. One that starts inside is led out, and may
-/// meanwhile sink by up to h/100 in each substep of the constraints.
+/// Vertices of the surface that are not prescribed stay out of obstacles. One that starts inside is led out: slowly by
+/// the constraints (it may sink by h/100 in a substep), at once by the potential, which leaves it the speed depth/Δt.
 ///
 /// What prescribed vertices or moving obstacles make impossible is [`ContactError::Infeasible`], or lets pinched cloth
 /// pass if it may. The start of a step must be free of crossings; it is if the last step ended there, and if anything

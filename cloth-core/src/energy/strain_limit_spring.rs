@@ -93,6 +93,7 @@ impl StrainLimitSpring {
 }
 
 impl Element<2> for StrainLimitSpring {
+    const HAS_JUMPS: bool = true;
     const IS_IN_ELEMENTS: bool = true;
 
     #[inline]

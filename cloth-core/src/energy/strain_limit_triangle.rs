@@ -116,6 +116,7 @@ impl StrainLimitTriangle {
 }
 
 impl Element<3> for StrainLimitTriangle {
+    const HAS_JUMPS: bool = true;
     const IS_IN_ELEMENTS: bool = true;
 
     #[inline]

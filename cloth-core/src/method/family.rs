@@ -23,6 +23,7 @@ trait EnergyFamily: Debug + Send + Sync {
     /// Vertices of an element.
     fn stencil_size(&self) -> usize;
     fn has_numerical_eigenvalues(&self) -> bool;
+    fn has_jumps(&self) -> bool;
     fn changes_with_time(&self) -> bool;
     fn is_quadratic(&self) -> bool;
     fn set_time(&mut self, time: Real);
@@ -103,6 +104,10 @@ impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
 
     fn has_numerical_eigenvalues(&self) -> bool {
         E::HAS_NUMERICAL_EIGENVALUES
+    }
+
+    fn has_jumps(&self) -> bool {
+        E::HAS_JUMPS && !self.elements.is_empty()
     }
 
     fn changes_with_time(&self) -> bool {
@@ -237,6 +242,12 @@ impl Energies {
     #[must_use]
     pub fn are_quadratic(&self) -> bool {
         self.families.iter().all(|family| family.is_quadratic())
+    }
+
+    /// Whether a second derivative jumps within reach ([`Element::HAS_JUMPS`](crate::element::Element::HAS_JUMPS)).
+    #[must_use]
+    pub fn have_jumps(&self) -> bool {
+        self.families.iter().any(|family| family.has_jumps())
     }
 
     /// No energy on `vertex_count` vertices.

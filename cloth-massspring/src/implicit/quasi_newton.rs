@@ -1,5 +1,10 @@
-//! The direction, around a multigrid cycle on a positive definite Hessian: of L-BFGS, or in contact that of a truncated
-//! Newton method.
+//! The direction, around a multigrid cycle on a positive definite Hessian: of L-BFGS, or that of a truncated Newton
+//! method where contact shortens steps, or where a second derivative jumps and 32 iterations were not enough.
+//!
+//! *Why.* Pairs of differences tell of the Hessian as it was. With springs that are slack within some range, as many as
+//! a cloth has edges come and go in a step, and L-BFGS took 600 iterations, of which most had to be ended by a
+//! factorisation; now 60 to 90. Without such jumps Newton's directions take a third of the iterations and more time: six
+//! to fourteen cycles each, for cloth that crumples as for very stiff cloth.
 //!
 //! *Tried in vain* in contact: back to L-BFGS after three to eight whole steps (a sheet that wraps a ball takes two to
 //! three times the iterations, and the same time); conjugate gradients to 0.2, 0.3 or 0.5 of the residual (within a
@@ -22,6 +27,8 @@ use cloth_core::method::vectors::dot;
 
 /// Pairs that are kept.
 const HISTORY: usize = 5;
+/// Iterations of L-BFGS where a second derivative jumps ([`Energies::have_jumps`]), before directions are Newton's.
+const WITH_JUMPS: u32 = 32;
 
 /// The first inverse Hessian, and the pairs.
 #[derive(Debug)]
@@ -35,6 +42,8 @@ pub(super) struct QuasiNewton {
     work: Vec<Vec3>,
     /// Steps in this minimisation that were shortened.
     shortened_steps: u32,
+    /// The last iteration of L-BFGS in a step.
+    last_of_pairs: u32,
     /// Iterations in this step, and since the matrix was taken.
     iterations: u32,
     age: u32,
@@ -50,6 +59,10 @@ impl QuasiNewton {
             rows: Vec::new(),
             work: vec![Vec3::zeros(); is_free.len()],
             shortened_steps: 0,
+            last_of_pairs: match energies.have_jumps() {
+                true => WITH_JUMPS,
+                false => u32::MAX,
+            },
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
             piecewise: Piecewise::new(assembly.pattern()),
             hessian: ContactHessian::new(assembly.pattern(), is_free),
@@ -77,7 +90,7 @@ impl QuasiNewton {
     ) -> bool {
         let x = &current.positions[..];
         let is_mixed = self.iterations < FIRST_ITERATIONS;
-        if !is_mixed && self.age < REFRESH_INTERVAL && !self.is_often_shortened() {
+        if !is_mixed && self.age < REFRESH_INTERVAL && !self.is_newton() {
             return false;
         }
         let to = if is_start { before } else { x };
@@ -87,7 +100,7 @@ impl QuasiNewton {
         let rest = stage.potential.particles.rest_positions();
         let contact = stage.contact;
         self.hessian.refresh(contact, x, rest.unwrap_or(before));
-        if is_mixed {
+        if is_mixed || self.is_newton() {
             self.history.clear();
         }
         self.age = 0;
@@ -114,13 +127,19 @@ impl QuasiNewton {
         self.shortened_steps >= MAX_SHORTENED_STEPS
     }
 
+    /// Whether directions are those of a truncated Newton method.
+    fn is_newton(&self) -> bool {
+        self.is_often_shortened() || self.iterations >= self.last_of_pairs
+    }
+
     /// Writes the direction (m) for a gradient (N) to `out`. Returns the slope along it (J); what has to be added to
     /// minus the slope for the square of the Newton decrement (J), because conjugate gradients ended before the
     /// solution, 0 for L-BFGS; and the number of linear iterations.
     pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, Real, u32) {
+        let is_newton = self.is_newton();
         self.iterations += 1;
         self.age += 1;
-        if self.is_often_shortened() {
+        if is_newton {
             let (left, iterations) = self.hessian.solve(NEWTON_DIRECTION, gradient, out);
             return (dot(gradient, out), left, iterations);
         }
@@ -159,7 +178,7 @@ impl QuasiNewton {
         from: &[Vec3],
         to: &[Vec3],
     ) {
-        if self.iterations >= FIRST_ITERATIONS && !self.is_often_shortened() {
+        if self.iterations >= FIRST_ITERATIONS && !self.is_newton() {
             self.history.push(length, self.slope, direction, from, to);
         }
     }

@@ -1,7 +1,7 @@
 //! Thin and stiff cloth, where the quasi-Newton method has a long way to go.
 
 use crate::DOWN;
-use cloth_core::cloth::{Cloth, Membrane};
+use cloth_core::cloth::{Cloth, Discretization, Membrane, SpringLaw};
 use cloth_core::math::Real;
 use cloth_core::measure::center_of_mass;
 use cloth_core::mesh::generate::{Diagonals, grid};
@@ -11,6 +11,18 @@ use cloth_massspring::{ImplicitConfig, ImplicitEuler, StartGuess};
 
 /// Steps of a sheet that falls from the horizontal, held by two corners; k in N/m, D in N·m.
 fn hang(
+    side: usize,
+    material: [Real; 2],
+    config: ImplicitConfig,
+    dt: Real,
+    steps: usize,
+) -> Vec<StepReport> {
+    hang_by(SpringLaw::Linear, side, material, config, dt, steps)
+}
+
+/// The same with springs of a law.
+fn hang_by(
+    law: SpringLaw,
     side: usize,
     [stiffness, rigidity]: [Real; 2],
     config: ImplicitConfig,
@@ -23,14 +35,16 @@ fn hang(
         membrane: Membrane::SpringStiffness(stiffness),
         bending_rigidity: rigidity,
     };
-    let mut model = cloth.on(&mesh).unwrap();
+    let discretization = Discretization {
+        law,
+        ..Discretization::default()
+    };
+    let mut model = cloth.discretized_with(&discretization, &mesh).unwrap();
     for corner in [side * (side - 1), side * side - 1] {
         model.particles.prescribe(corner).unwrap();
     }
-    let builder = ImplicitEuler::builder(&model.particles);
-    let builder = builder.energy(model.springs);
-    let builder = builder.energy(model.hinges).config(config);
-    let mut solver = builder.build().unwrap();
+    let builder = ImplicitEuler::builder(&model.particles).elements(model.families());
+    let mut solver = builder.config(config).build().unwrap();
     let mut state = State::at_rest(mesh.positions().to_vec());
     let step = |_| {
         let input = StepInput::new(dt).gravity(DOWN);
@@ -126,4 +140,21 @@ fn a_start_that_turns_with_the_cloth_saves_iterations() {
     let [inertial, extrapolated] = [StartGuess::Inertial, StartGuess::Extrapolated].map(work);
     println!("evaluations: {inertial} from x + Δt v, {extrapolated} extrapolated");
     assert!(f64::from(extrapolated) < 0.97 * f64::from(inertial));
+}
+
+/// Springs that are slack within a range come and go by the hundred in a step. With pairs of differences alone a step
+/// of the first took 390 iterations, and 16 of 20 were given up for a factorisation.
+#[test]
+fn slack_springs_need_neither_hundreds_of_iterations_nor_newtons_method() {
+    for limits in [[0.95, 1.02], [0.0, 1.0]] {
+        let law = SpringLaw::DeadZone(limits);
+        let config = ImplicitConfig::default();
+        let reports = hang_by(law, 25, [3e3, 1e-5], config, 1.0 / 60.0, 20);
+        let iterations: u32 = reports.iter().map(|r| r.iterations).sum();
+        let fallbacks: u32 = reports.iter().map(|r| r.newton_fallbacks).sum();
+        let mean = Real::from(iterations) / 20.0;
+        println!("{limits:?}: {mean} iterations, {fallbacks} fallbacks");
+        assert!(reports.iter().all(|r| r.outcome == Outcome::Converged));
+        assert!(mean < 85.0 && fallbacks == 0);
+    }
 }
