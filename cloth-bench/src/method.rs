@@ -168,6 +168,10 @@ impl Method {
                 " (one linear solve a step can make energy where stiff cloth turns fast; a shorter --dt makes it less, \
                  and implicit-euler makes none)"
             }
+            Kind::Pd => {
+                " (its steps end where what is left of a step is a tenth of the change of velocity, as stiff ropes of \
+                 light vertices may leave it; --set velocity_tolerance=0.01 leaves less, and implicit-euler nothing)"
+            }
             _ => "",
         }
     }

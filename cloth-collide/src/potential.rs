@@ -404,6 +404,7 @@ mod friction;
 mod groups;
 mod handed;
 mod last_resort;
+mod led_out;
 mod mollifier;
 mod multipliers;
 mod near;

@@ -208,8 +208,9 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
         false
     }
 
-    /// Ends the step, which the method has ended at `x` (m) with velocities `v` (m/s): obstacles move on.
-    fn end(&mut self, x: &[Vec3], v: &[Vec3]);
+    /// Ends the step, which the method has ended at `x` (m) with velocities `v` (m/s): obstacles move on. A source may
+    /// take from `v` what is no motion: that by which it has led out what started inside of a body.
+    fn end(&mut self, x: &[Vec3], v: &mut [Vec3]);
 }
 
 /// Contact as unilateral constraints that a method feels in every sweep of every substep.

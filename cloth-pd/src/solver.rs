@@ -147,7 +147,7 @@ impl Stepper for PdSolver {
             air.end(&self.point.positions, &self.velocities, w);
         }
         if let Some(contact) = contact {
-            contact.end(&self.point.positions, &self.velocities);
+            contact.end(&self.point.positions, &mut self.velocities);
         }
         self.remember(state, input.dt, is_in_contact);
         state.positions.copy_from_slice(&self.point.positions);

@@ -182,7 +182,7 @@ impl ContactPotential for Timed {
         self.ask(|p| p.has_free_bodies())
     }
 
-    fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
+    fn end(&mut self, x: &[Vec3], v: &mut [Vec3]) {
         self.change(|p| p.end(x, v));
     }
 }

@@ -44,7 +44,8 @@ crate::settings! {
             "edges that carry springs: all, quads (no diagonals), or the fraction of the coordinates that is to be free, \
              such as 0.2";
         level: u32 = 0,
-            "coarse level of the mesh that keeps the cloth from stretching, from 1; 0: the mesh itself does";
+            "coarse level of the mesh that keeps the cloth from stretching, from 1; 0: the mesh itself does; single held \
+             vertices are drawn out";
         fine_fraction: Real = 0.01, "part of the modulus that springs on edges keep beside a coarse level, from 0 to 1";
     }
 }

@@ -216,10 +216,10 @@ radius = 0.1
     let note =
         format!("note: the thickness of contact is {half:.3e} m, half the mean edge of the cloth");
     assert!(said.contains(&note), "{said}");
-    let hundredth = 0.02 * half / 0.03 * 6.0;
-    let said = run(6.0, &[]);
+    let least = 0.01 * half / 0.03 * 60.0;
+    let said = run(60.0, &[]);
     let note = format!(
-        "note: the thickness of contact is {hundredth:.3e} m, a hundredth of the mean edge of the cloth"
+        "note: the thickness of contact is {least:.3e} m, a two-hundredth of the mean edge of the cloth"
     );
     assert!(said.contains(&note), "{said}");
     let said = run(0.03, &["--set", "thickness=2e-3"]);

@@ -67,7 +67,7 @@ impl ContactPotential for Refusal {
         unreachable!("the step has not begun")
     }
 
-    fn end(&mut self, _: &[Vec3], _: &[Vec3]) {
+    fn end(&mut self, _: &[Vec3], _: &mut [Vec3]) {
         unreachable!("the step has not begun")
     }
 }

@@ -521,3 +521,44 @@ fn strip_over_a_cylinder_slips_above_the_ratio_of_the_capstan() {
         }
     }
 }
+
+/// A sheet that starts in the floor is led out at once, which is no motion: it lies there, and does not fly off with
+/// its depth over Δt, 20 m/s of 20 cm.
+#[test]
+fn sheet_that_starts_in_the_floor_lies_on_it() {
+    let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let model = model(&mesh);
+    let dt = 0.01;
+    let all: [(&str, Make); 4] = [
+        ("implicit-euler", |model| implicit_euler(model, tight())),
+        ("bdf2", bdf2),
+        ("linearised", linearized),
+        ("pd", pd),
+    ];
+    for (name, make) in all {
+        for depth in [0.01, 0.2] {
+            let mut solver = make(&model);
+            let mut contacts = contacts(&mesh, Some(floor()), 0.3);
+            let lowered = |x: &Vec3| Vec3::new(x.x, x.y, -depth);
+            let mut state = State::at_rest(mesh.positions().iter().map(lowered).collect());
+            let (mut highest, mut fastest): (Real, Real) = (0.0, 0.0);
+            for _ in 0..30 {
+                let input = StepInput::new(dt).gravity(Vec3::z() * -GRAVITY);
+                solver
+                    .step(&mut state, input.contacts(&mut contacts))
+                    .unwrap();
+                highest = state.positions.iter().fold(highest, |h, x| h.max(x.z));
+                fastest = state
+                    .velocities
+                    .iter()
+                    .fold(fastest, |f, v| f.max(v.norm()));
+                assert!(state.positions.iter().all(|x| x.z > 0.0), "{name}");
+            }
+            println!("{name}, {depth} m deep: up to {highest} m, {fastest} m/s");
+            assert!(
+                highest < 2.0 * THICKNESS && fastest < GRAVITY * dt * 1.5,
+                "{name}"
+            );
+        }
+    }
+}

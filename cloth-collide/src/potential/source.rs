@@ -8,6 +8,7 @@ use super::free::FreeBodies;
 use super::friction::{ALONE, FrictionContact, Key, TangentialDisplacements};
 use super::groups::longest_of_groups;
 use super::last_resort::LastResort;
+use super::led_out::LedOut;
 use super::multipliers::Multipliers;
 use super::near::Near;
 use super::near_pairs::NearPairs;
@@ -64,6 +65,7 @@ pub(super) struct Contacts {
     pub(super) is_anew: bool,
     /// Prescribed vertices that move, and their displacements (m) in the step.
     moved: Vec<(u32, Vec3)>,
+    pub(super) led_out: LedOut,
     /// Where the method would begin to iterate (m).
     wanted: Vec<Vec3>,
     scratch: Vec<Vec3>,
@@ -95,6 +97,7 @@ impl Contacts {
             is_open: false,
             is_anew: false,
             moved: Vec::new(),
+            led_out: LedOut::default(),
             wanted: Vec::new(),
             energy: 0.0,
             truncated: 0,
@@ -147,6 +150,10 @@ impl ContactPotential for Contacts {
         let moved = displacements.filter(|(_, displacement)| *displacement != Vec3::zeros());
         self.moved.extend(moved);
         self.is_open = true;
+        self.led_out.clear();
+        if !goes_on {
+            self.find_led_out(step);
+        }
         if !is_still {
             self.find_feasible_start(step, goes_on, start)?;
         }
@@ -282,8 +289,9 @@ impl ContactPotential for Contacts {
         !self.free.list.is_empty()
     }
 
-    fn end(&mut self, x: &[Vec3], _: &[Vec3]) {
+    fn end(&mut self, x: &[Vec3], v: &mut [Vec3]) {
         self.is_open = false;
+        self.led_out.stop(v);
         let reach = self.reach();
         self.tangential.replace(&self.friction, reach, x);
         self.work = self.work_of_bodies(x) + self.work_of_prescribed(x);

@@ -33,7 +33,7 @@ const NO_TIME: Real = 1e-12;
 /// that keeps it apart at both ends.
 ///
 /// Vertices of the surface that are not prescribed stay out of obstacles. One that starts inside is led out: slowly by
-/// the constraints (it may sink by h/100 in a substep), at once by the potential, which leaves it the speed depth/Δt.
+/// the constraints (it may sink by h/100 in a substep), in the first step by the potential.
 ///
 /// What prescribed vertices or moving obstacles make impossible is [`ContactError::Infeasible`], or lets pinched cloth
 /// pass if it may. The start of a step must be free of crossings; it is if the last step ended there, and if anything
@@ -92,7 +92,7 @@ const NO_TIME: Real = 1e-12;
 ///         x.iter_mut().zip(&to).for_each(|(x, to)| *x += (to - *x) * safe);
 ///     }
 ///     v = (0..25).map(|k| (x[k] - from[k]) / dt).collect();
-///     contacts.end(&x, &v);
+///     contacts.end(&x, &mut v);
 /// }
 /// // The middle rests on the top: κ A (h − d) = m g, with a third of the area of the triangles around it.
 /// let around = sheet.triangles().iter().zip(sheet.areas()).filter(|(t, _)| t.contains(&12));
@@ -537,7 +537,7 @@ impl ContactPotential for PotentialContacts {
         self.contacts.has_free_bodies()
     }
 
-    fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
+    fn end(&mut self, x: &[Vec3], v: &mut [Vec3]) {
         self.contacts.end(self.surfaces.at(x), v);
     }
 }

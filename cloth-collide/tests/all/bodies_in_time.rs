@@ -125,7 +125,7 @@ fn a_step_that_was_not_taken_is_begun_again_at_its_time() {
     ContactPotential::begin(&mut contacts, &taken, &mut x.clone()).unwrap();
     assert!(check(&contacts, 0.5) && !check(&contacts, 0.5 + DT));
     ContactPotential::begin(&mut contacts, &taken, &mut x.clone()).unwrap();
-    ContactPotential::end(&mut contacts, &x, &x);
+    ContactPotential::end(&mut contacts, &x, &mut x.clone());
     assert!(check(&contacts, 0.5 + DT) && !check(&contacts, 0.5));
     contacts.take_back();
     assert!(check(&contacts, 0.5) && !check(&contacts, 0.5 + DT));
@@ -272,7 +272,7 @@ fn minimise(contacts: &mut PotentialContacts, state: &mut State) {
             .for_each(|(x, to)| *x += (to - *x) * safe);
     }
     state.velocities = (0..count).map(|k| (x[k] - from[k]) / DT).collect();
-    ContactPotential::end(contacts, &x, &state.velocities);
+    ContactPotential::end(contacts, &x, &mut state.velocities);
     state.positions = x;
     state.time += DT;
     state.steps += 1;

@@ -45,7 +45,7 @@ pub(super) fn go(
 }
 
 pub(super) fn end(contacts: &mut PotentialContacts, x: &[Vec3]) {
-    ContactPotential::end(contacts, x, &vec![Vec3::zeros(); x.len()]);
+    ContactPotential::end(contacts, x, &mut vec![Vec3::zeros(); x.len()]);
 }
 
 pub(super) fn shifted(x: &[Vec3], by: Vec3) -> Vec<Vec3> {

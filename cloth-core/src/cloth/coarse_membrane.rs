@@ -31,7 +31,10 @@ use crate::topology::EdgeTable;
 ///   the other, 0.40 to 0.62;
 /// - coarse vertices are 2^(level/2) edges apart or more, and links see nothing in between. Stretch that changes from
 ///   one coarse vertex to the next meets `fine_fraction` of the stiffness only, waves of four edges 0.02 to 0.18 of it.
-///   The coarser the level, the larger the part of a sheet that can be drawn out of place within its surroundings.
+///   The coarser the level, the larger the part of a sheet that can be drawn out of place within its surroundings;
+/// - a vertex that the level leaves out and that alone holds the cloth hangs on the springs of the fine fraction: on a
+///   sheet of 33 × 33 vertices (3000 N/m, 0.2 kg/m²) that hangs by two corners the edge there is 1.6 times as long with
+///   level 1, and 6 times with 2. Prescribe what is around it too, as a clip or a rod does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoarseMembrane {
     /// The coarse level, from 1: each has half as many vertices as the one before, or fewer (dimensionless).

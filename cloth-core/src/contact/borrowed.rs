@@ -87,7 +87,7 @@ impl<T: ContactPotential + ?Sized> ContactPotential for &mut T {
         (**self).has_free_bodies()
     }
 
-    fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
+    fn end(&mut self, x: &[Vec3], v: &mut [Vec3]) {
         (**self).end(x, v);
     }
 }

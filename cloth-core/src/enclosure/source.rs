@@ -209,7 +209,7 @@ impl<C: ContactPotential> ContactPotential for Enclosed<C> {
         self.contacts.has_free_bodies()
     }
 
-    fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
+    fn end(&mut self, x: &[Vec3], v: &mut [Vec3]) {
         self.contacts.end(x, v);
         self.end_at(x);
     }
@@ -297,7 +297,7 @@ impl ContactPotential for NoContact {
 
     fn linearize(&self, _: &[Vec3], _: &mut Vec<ContactRow>) {}
 
-    fn end(&mut self, _: &[Vec3], _: &[Vec3]) {}
+    fn end(&mut self, _: &[Vec3], _: &mut [Vec3]) {}
 }
 
 impl ContactConstraints for NoContact {

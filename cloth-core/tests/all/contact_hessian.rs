@@ -53,7 +53,7 @@ impl ContactPotential for Contacts {
         row.gradient.extend(x.iter().map(|x| x * 0.1 + Vec3::z()));
     }
 
-    fn end(&mut self, _: &[Vec3], _: &[Vec3]) {}
+    fn end(&mut self, _: &[Vec3], _: &mut [Vec3]) {}
 }
 
 /// `H p = −g` with all terms, multiplied out by their definition: the residual is what was asked for, however stiff a

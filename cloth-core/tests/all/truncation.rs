@@ -47,7 +47,7 @@ impl ContactPotential for Recorder {
 
     fn linearize(&self, _: &[Vec3], _: &mut Vec<ContactRow>) {}
 
-    fn end(&mut self, _: &[Vec3], _: &[Vec3]) {}
+    fn end(&mut self, _: &[Vec3], _: &mut [Vec3]) {}
 }
 
 /// Vertices 1 cm apart that all move down by 10 cm. Beside one that is stopped after 5 cm, each goes 0.3 mm further

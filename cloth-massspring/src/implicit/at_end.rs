@@ -194,7 +194,7 @@ impl ContactPotential for AtEnd<'_> {
         self.memory.ends = [ends, twice];
     }
 
-    fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
+    fn end(&mut self, x: &[Vec3], v: &mut [Vec3]) {
         let mut ends = std::mem::take(&mut self.memory.ends[0]);
         self.contact.end(self.ends(x, &mut ends), v);
         self.memory.ends[0] = ends;

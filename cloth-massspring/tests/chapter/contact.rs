@@ -199,7 +199,7 @@ impl ContactPotential for Push {
 
     fn linearize(&self, _: &[Vec3], _: &mut Vec<ContactRow>) {}
 
-    fn end(&mut self, x: &[Vec3], _: &[Vec3]) {
+    fn end(&mut self, x: &[Vec3], _: &mut [Vec3]) {
         if self.tells {
             self.work = self.force.dot(&(x[1] - self.from));
         }

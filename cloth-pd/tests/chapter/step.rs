@@ -109,7 +109,7 @@ impl ContactPotential for Floor {
         }));
     }
 
-    fn end(&mut self, _: &[Vec3], _: &[Vec3]) {}
+    fn end(&mut self, _: &[Vec3], _: &mut [Vec3]) {}
 }
 
 #[test]

@@ -440,7 +440,7 @@ impl Stepper for VertexBlockDescent {
             return Err(StepError::NonFinite { vertex, step });
         }
         if let Some(contact) = contact {
-            contact.end(&self.x, &self.velocities);
+            contact.end(&self.x, &mut self.velocities);
         }
         self.last_velocities.copy_from_slice(&state.velocities);
         self.last_step = Some(step);

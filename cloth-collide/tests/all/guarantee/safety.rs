@@ -344,7 +344,7 @@ fn what_is_held_after_a_minimised_step_is_of_that_step_alone() {
                 dt: 0.01,
             };
             ContactPotential::begin(&mut contacts, &step, &mut x).unwrap();
-            ContactPotential::end(&mut contacts, &x, &vec![Vec3::zeros(); x.len()]);
+            ContactPotential::end(&mut contacts, &x, &mut vec![Vec3::zeros(); x.len()]);
             assert_eq!(contacts.truncated_count(), 0, "seed {seed}");
             let from = x.clone();
             x.iter_mut().for_each(|x| *x += random.point(30.0));
