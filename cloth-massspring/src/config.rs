@@ -202,7 +202,7 @@ pub enum StartGuess {
     Inertial,
     /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`: half of what the last step changed once more, which turns the velocity
     /// along with the cloth. The same as `Inertial` in a step that does not continue another of the same size; for the
-    /// midpoint rule, whose velocities may ring; and for BDF2, where `x_b + τ v_b` in the place of `x[0] + Δt v[0]`
+    /// midpoint rule, whose velocities may ring; and for BDF2 without contact, where `x_b + τ v_b` in the place of `x[0] + Δt v[0]`
     /// goes on with about 2/9 of that change already: with half of it beside that, a sheet that swings and crumples
     /// takes 1.6 times the iterations.
     #[default]

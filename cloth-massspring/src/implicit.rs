@@ -509,9 +509,13 @@ impl Implicit {
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) {
         let tau = interval.tau;
-        // The base of a step of BDF2 goes on with the change already.
-        let is_euler = interval.at == TimePoint::End && tau == input.dt;
-        let follows = is_euler && self.before.1 == tau && self.continues(state);
+        // The base of a step of BDF2 goes on with the change already. In contact what slides is the nearer to where it
+        // will be.
+        let is_bdf2_alone = tau < input.dt && input.contacts.is_none();
+        let follows = interval.at == TimePoint::End
+            && !is_bdf2_alone
+            && self.before.1 == tau
+            && self.continues(state);
         self.before.1 = tau;
         if let Some(air) = &mut input.air {
             air.linearize(&state.positions, &state.velocities);

@@ -136,8 +136,9 @@ fn bounce(own: &BounceSettings) -> Result<Evaluation, BenchError> {
     within_reach(1e8 * Real::from(bounces))?;
     let text = format!(
         "[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [0, 0, {:?}]\n[[obstacle]]\nshape = \"plane\"\n\
-         [contact]\nrestitution = {restitution:?}\n",
-        height + laws::THICKNESS
+         [contact]\nrestitution = {restitution:?}\nthickness = {:?}\n",
+        height + laws::THICKNESS,
+        laws::THICKNESS
     );
     let scene = file::build_text(Path::new("bounce.toml"), &text, &Settings::default())?;
     let fall = (2.0 * height / laws::G).sqrt();

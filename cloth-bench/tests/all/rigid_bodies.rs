@@ -395,8 +395,8 @@ fn ball_on_a_floor_slides_without_friction_and_rolls_with_it() {
     for (friction, rolls) in [(0.0, 1.0), (0.3, 5.0 / 7.0)] {
         let text = format!(
             "[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [5, 5, 1]\n[[pins]]\nselect = \"border\"\n\
-             [contact]\nfriction = {friction:?}\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\n\
-             position = [0, 0, 0.1021]\nmass = 0.5\nvelocity = [1, 0, 0]\n[[obstacle]]\nshape = \"plane\"\n"
+             [contact]\nfriction = {friction:?}\nthickness = 2e-3\n[[obstacle]]\nshape = \"sphere\"\n\
+             radius = 0.1\nposition = [0, 0, 0.1021]\nmass = 0.5\nvelocity = [1, 0, 0]\n[[obstacle]]\nshape = \"plane\"\n"
         );
         let scene = scene(&format!("rolls{friction}"), &text);
         for method in ["implicit-euler", "xpbd"] {

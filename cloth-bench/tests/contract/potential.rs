@@ -555,10 +555,9 @@ fn sheet_that_starts_in_the_floor_lies_on_it() {
                 assert!(state.positions.iter().all(|x| x.z > 0.0), "{name}");
             }
             println!("{name}, {depth} m deep: up to {highest} m, {fastest} m/s");
-            assert!(
-                highest < 2.0 * THICKNESS && fastest < GRAVITY * dt * 1.5,
-                "{name}"
-            );
+            // Through its thickness contact pushes it in a step.
+            let allowed = THICKNESS / dt + GRAVITY * dt;
+            assert!(highest < 2.0 * THICKNESS && fastest < allowed, "{name}");
         }
     }
 }
