@@ -68,6 +68,11 @@ impl ContactHessian {
         }
     }
 
+    /// Makes room for [`solve`](Self::solve), as its first call does otherwise.
+    pub fn make_room(&mut self) {
+        self.gradients.resize(self.is_free.len());
+    }
+
     /// The matrix (N/m), with the contacts of single vertices since the last [`refresh`](Self::refresh).
     #[must_use]
     pub fn matrix(&self) -> &BlockMatrix {

@@ -54,18 +54,23 @@ pub(super) struct QuasiNewton {
 impl QuasiNewton {
     pub(super) fn new(energies: &Energies, is_free: Vec<bool>) -> Self {
         let assembly = energies.lumped_assembly();
+        let unconstrained = Unconstrained::of_energies(energies, assembly.pattern(), &is_free);
+        let count = is_free.len();
+        let mut hessian = ContactHessian::new(assembly.pattern(), is_free);
+        let mut last_of_pairs = u32::MAX;
+        if energies.have_jumps() {
+            last_of_pairs = WITH_JUMPS;
+            hessian.make_room();
+        }
         Self {
-            history: LimitedMemory::new(is_free.len(), HISTORY),
+            history: LimitedMemory::new(count, HISTORY),
             rows: Vec::new(),
-            work: vec![Vec3::zeros(); is_free.len()],
+            work: vec![Vec3::zeros(); count],
             shortened_steps: 0,
-            last_of_pairs: match energies.have_jumps() {
-                true => WITH_JUMPS,
-                false => u32::MAX,
-            },
-            unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
+            last_of_pairs,
+            unconstrained,
             piecewise: Piecewise::new(assembly.pattern()),
-            hessian: ContactHessian::new(assembly.pattern(), is_free),
+            hessian,
             assembly,
             iterations: 0,
             age: 0,

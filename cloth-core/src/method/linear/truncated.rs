@@ -16,6 +16,19 @@ pub struct TruncatedConjugateGradients {
 }
 
 impl TruncatedConjugateGradients {
+    /// Makes room for so many vertices, as the first solve does otherwise.
+    pub fn resize(&mut self, vertex_count: usize) {
+        let lists = [
+            &mut self.residual,
+            &mut self.preconditioned,
+            &mut self.direction,
+            &mut self.product,
+        ];
+        for list in lists {
+            list.resize(vertex_count, Vec3::zeros());
+        }
+    }
+
     /// Writes `p = −H⁻¹ g` (m), nearly, to `out` for a gradient g (N), with `multiply` for products with H (N/m),
     /// positive definite, and `inverse` near H⁻¹. It ends where the residual, in the norm of `inverse`, is `tolerance`
     /// times the first, or after `most` iterations. Returns `rᵀ H⁻¹ r` (J) of the residual r that is left, nearly, and
@@ -28,15 +41,7 @@ impl TruncatedConjugateGradients {
         gradient: &[Vec3],
         out: &mut [Vec3],
     ) -> (Real, u32) {
-        let lists = [
-            &mut self.residual,
-            &mut self.preconditioned,
-            &mut self.direction,
-            &mut self.product,
-        ];
-        for list in lists {
-            list.resize(gradient.len(), Vec3::zeros());
-        }
+        self.resize(gradient.len());
         let pairs = self.residual.iter_mut().zip(gradient);
         pairs.for_each(|(r, g)| *r = -g);
         inverse(&self.residual, &mut self.preconditioned);
