@@ -263,7 +263,7 @@
 //! one backward sweep after it, so that the cycle is symmetric; a level of at most 48 vertices is solved by a dense
 //! Cholesky factorisation. All is in single precision. Five things make it work:
 //! - *Absolute values* take the place of negative eigenvalues, the k (1 − L/l) of compressed springs
-//!   ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)). So the matrix is positive definite, and every direction
+//!   ([`Convexity::Abs`]). So the matrix is positive definite, and every direction
 //!   leads down. Alone it would converge linearly: across a spring between two free masses m it has `1 + c` for
 //!   `1 − c`, `c = 2k s² (L/l − 1)/m`, which multiplies the error by `2c/(1 + c)`. (Zeros,
 //!   [`Convexity::Clamp`](cloth_core::element::Convexity::Clamp), have 1 there, and the factor c.) That is slow near
