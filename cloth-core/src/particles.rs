@@ -189,9 +189,10 @@ impl Particles {
 ///
 /// To save a run, keep these four; to resume it, build the solver anew from the same particles and elements and go on
 /// from them. What a solver keeps beside the state is where its iteration starts: implicit Euler by default, and PD in
-/// contact, which also knows what held its free pieces up. That changes a step within the tolerance at which the iteration ends, in contact by millimetres where cloth
-/// slides or buckles; with `StartGuess::Previous` nothing is kept. Two keep more: BDF2 of `cloth-massspring`, which
-/// starts again with one step of implicit Euler, and friction, which forgets what sticks. Contacts that are built anew have to begin at
+/// contact, which also knows what held its free pieces up. That changes a step within the tolerance at which the
+/// iteration ends, in contact by millimetres where cloth slides or buckles; with `StartGuess::Previous` nothing is kept.
+/// Two keep more: BDF2 of `cloth-massspring`, which starts again with one step of implicit Euler, and friction, which
+/// forgets what sticks. Contacts that are built anew have to begin at
 /// the time of the state, with bodies where they are; the order in which they find pairs is that of a new start, and
 /// sweeps that end before they converge, as those of XPBD, leave something else after another order.
 #[derive(Clone, Debug, Default, PartialEq)]

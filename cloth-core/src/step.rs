@@ -541,7 +541,8 @@ impl fmt::Display for StepError {
             Self::NotPositiveDefinite { iteration, step } => write!(
                 f,
                 "the matrix of step {step}, iteration {iteration}, is not positive definite to rounding: where k Δt²/m \
-                 is beyond some 10¹², an element is too stiff for the mass of its vertices and this step; a negative stiffness does it too"
+                 is beyond some 10¹², an element is too stiff for the mass of its vertices and this step; a negative \
+                 stiffness does it too"
             ),
             Self::Contact { reason, step } => write!(f, "step {step}: {reason}"),
             Self::ContactNotFelt { remedy } => {

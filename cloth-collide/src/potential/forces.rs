@@ -105,12 +105,7 @@ impl Ledger {
     /// Impulses (N·s, N·m·s) of what stops free bodies, and those on the bodies that do.
     pub(super) fn add_stops(&mut self, free: &FreeBodies, stops: &Stops, per: Real) {
         let free = free.list.iter().filter(|free| !free.is_held);
-        let stopped = free.map(|free| {
-            (
-                free.number,
-                [free.stop[0], free.stop[1], free.stop_friction],
-            )
-        });
+        let stopped = free.map(|free| (free.number, free.stop));
         let reactions = stops.reactions.iter().copied().enumerate();
         for (number, [impulse, angular, friction]) in stopped.chain(reactions) {
             let body = &mut self.impulses.bodies[number];

@@ -18,8 +18,7 @@ pub(super) struct FreeBody {
     /// That of the step (N·s, N·m·s) about its position at the end.
     impulse: [Vec3; 2],
     /// That of what stops it, and the friction (N·s) in it.
-    pub(super) stop: [Vec3; 2],
-    pub(super) stop_friction: Vec3,
+    pub(super) stop: [Vec3; 3],
     /// What that has changed of its velocities (m/s, rad/s) so far.
     pub(super) change: [Vec3; 2],
     /// By how far (m) the push of the cloth in the last step would have changed its displacement in that step: it has
@@ -71,8 +70,7 @@ impl FreeBody {
             body,
             momenta: body.momenta(obstacle.motion()),
             impulse: [Vec3::zeros(); 2],
-            stop: [Vec3::zeros(); 2],
-            stop_friction: Vec3::zeros(),
+            stop: [Vec3::zeros(); 3],
             change: [Vec3::zeros(); 2],
             pushed: 0.0,
             is_halted: false,
@@ -86,10 +84,12 @@ impl FreeBody {
 
     /// Work (J) of the impulses of contact with the cloth, and of `stop` (N·s, N·m·s), at these velocities (m/s,
     /// rad/s).
-    fn works(&self, by_cloth: [Vec3; 2], stop: [Vec3; 2], velocities: [Vec3; 2]) -> [Real; 2] {
-        let work =
-            |impulse: [Vec3; 2]| (0..2).map(|k| impulse[k].dot(&velocities[k])).sum::<Real>();
-        [-work(by_cloth), work(stop)]
+    fn works(&self, by_cloth: [Vec3; 2], stop: [Vec3; 3], velocities: [Vec3; 2]) -> [Real; 2] {
+        let work = |impulse: &[Vec3]| -> Real {
+            let parts = impulse.iter().zip(&velocities);
+            parts.map(|(impulse, velocity)| impulse.dot(velocity)).sum()
+        };
+        [-work(&by_cloth), work(&stop)]
     }
 
     fn add(&mut self, impulse: Vec3, arm: Vec3) {
@@ -207,8 +207,7 @@ impl Contacts {
             let mut motion = free.body.motion(free.place, momenta, dt);
             if free.is_halted {
                 let [needed, _] = free.body.momenta(&motion);
-                free.stop = [free.stop[0] - needed, -free.momenta[1]];
-                free.stop_friction = Vec3::zeros();
+                free.stop = [free.stop[0] - needed, -free.momenta[1], Vec3::zeros()];
                 motion = RigidMotion::still(free.place);
             }
             let moved = obstacle.set_motion(motion);
@@ -279,7 +278,7 @@ impl Contacts {
                 false => (linear.norm() + if turning.is_finite() { turning } else { 0.0 }) * dt,
             };
             // It is among them.
-            free.stop = [Vec3::zeros(); 2];
+            free.stop = [Vec3::zeros(); 3];
         }
         self.push_free(dt);
     }
@@ -290,7 +289,7 @@ impl Contacts {
             for free in &mut self.free.list {
                 let impulse = [0, 1].map(|k| free.impulse[k] + free.stop[k]);
                 free.body.push(&mut free.momenta, impulse, dt);
-                (free.impulse, free.stop) = ([Vec3::zeros(); 2], [Vec3::zeros(); 2]);
+                (free.impulse, free.stop) = ([Vec3::zeros(); 2], [Vec3::zeros(); 3]);
                 free.is_halted = free.is_held;
             }
         }

@@ -5,7 +5,7 @@
 
 use super::source::Contacts;
 use cloth_core::contact::ContactStep;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::Vec3;
 
 /// The vertices that have started inside in this step, and the directions in which they are led out, times the speeds
 /// (m/s) that this makes.
@@ -37,7 +37,7 @@ impl Contacts {
                     continue;
                 }
                 let distance = body.signed_distance(*from, 0.0);
-                let speed: Real = -distance.value / step.dt;
+                let speed = -distance.value / step.dt;
                 if speed > 0.0 {
                     self.led_out.0.push((vertex, distance.normal * speed));
                 }

@@ -156,7 +156,7 @@ impl Meeting {
             }
             free.stop[0] += push * sign;
             free.stop[1] += arm.cross(&(push * sign));
-            free.stop_friction += friction * sign;
+            free.stop[2] += friction * sign;
         }
     }
 }
@@ -221,7 +221,7 @@ impl Contacts {
         self.free
             .list
             .iter_mut()
-            .for_each(|free| (free.stop, free.stop_friction) = ([Vec3::zeros(); 2], Vec3::zeros()));
+            .for_each(|free| free.stop = [Vec3::zeros(); 3]);
         if self.free.list.is_empty() {
             return;
         }

@@ -3,8 +3,8 @@
 //!
 //! *Why.* Pairs of differences tell of the Hessian as it was. With springs that are slack within some range, as many as
 //! a cloth has edges come and go in a step, and L-BFGS took 600 iterations, of which most had to be ended by a
-//! factorisation; now 60 to 90. Without such jumps Newton's directions take a third of the iterations and more time: six
-//! to fourteen cycles each, for cloth that crumples as for very stiff cloth.
+//! factorisation; now 50 to 90. Without such jumps Newton's directions take a third of the iterations and more time:
+//! eight to fourteen cycles each, for cloth that crumples as for very stiff cloth.
 //!
 //! *Tried in vain* in contact: back to L-BFGS after three to eight whole steps (a sheet that wraps a ball takes two to
 //! three times the iterations, and the same time); conjugate gradients to 0.2, 0.3 or 0.5 of the residual (within a
@@ -84,7 +84,8 @@ impl QuasiNewton {
         self.hessian.clear_contacts();
     }
 
-    /// Recomputes the matrix at `current` if it is time, in the first iterations with predicted forces. `before` is the iterate before, or the start of the step (m).
+    /// Recomputes the matrix at `current` if it is time, in the first iterations with predicted forces. `before` is the
+    /// iterate before, or the start of the step (m).
     /// Returns whether it did.
     pub(super) fn refresh(
         &mut self,

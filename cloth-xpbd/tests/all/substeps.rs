@@ -34,6 +34,16 @@ struct Hanging {
     wanted: Real,
 }
 
+/// What a sheet of 1 m needs.
+const RULE: SubstepRule = SubstepRule {
+    strain: 0.1,
+    gravity: ACROSS,
+    fall: 1.0,
+    driven: 0.0,
+    tension: 0.0,
+    iterations: 1,
+};
+
 const ACROSS: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 const ALONG: Vec3 = Vec3::new(0.0, 9.81, 0.0);
 
@@ -245,14 +255,7 @@ fn the_table_of_the_rule_is_what_it_leaves() {
 /// take the larger one. Joined, the light one carries the heavy one, which takes many more.
 #[test]
 fn pieces_that_nothing_joins_need_no_more_substeps_than_alone() {
-    let rule = SubstepRule {
-        strain: 0.1,
-        gravity: ACROSS,
-        fall: 1.0,
-        driven: 0.0,
-        tension: 0.0,
-        iterations: 1,
-    };
+    let rule = RULE;
     let piece = |n: usize, density: Real, k: Real| {
         let cloth = Cloth {
             areal_density: density,
@@ -306,14 +309,7 @@ fn a_rule_of_numbers_that_are_none_is_a_mistake() {
         bending_rigidity: 0.0,
     };
     let model = cloth.on(&square(3, 1.0)).unwrap();
-    let rule = SubstepRule {
-        strain: 0.1,
-        gravity: ACROSS,
-        fall: 1.0,
-        driven: 0.0,
-        tension: 0.0,
-        iterations: 1,
-    };
+    let rule = RULE;
     let mut stray = model.springs.clone();
     stray[0].vertices[1] = 9;
     let wrong = [

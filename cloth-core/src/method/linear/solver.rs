@@ -208,7 +208,7 @@ impl Default for LinearMethod {
 }
 
 impl LinearMethod {
-    /// Whether its numbers are in their range; [`build`](Self::build) asks.
+    /// Whether its numbers are in the range that [`build`](Self::build) asks for.
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`].
