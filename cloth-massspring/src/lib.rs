@@ -483,7 +483,7 @@
 //! |---|---|
 //! | cloth at steps of a frame | the default |
 //! | a reference, a rest shape | [`ImplicitConfig::reference`]; one step of 10⁶ s or more, `tolerance: 0` |
-//! | seconds of motion at little cost, nothing touched | [`ImplicitConfig::truncated`] |
+//! | seconds of motion at half the cost, nothing touched | `tolerance: 1e-2` ([why](ImplicitConfig::tolerance)) |
 //! | the least cost of a step, slow or taut cloth | [`ImplicitConfig::linearized`] |
 //! | cloth that stiffens or must not stretch beyond a bound | [below](#strain-limits) |
 //! | little numerical damping at large steps | [`Bdf2`], best above 11 steps a period; at another Δt, implicit Euler |
@@ -519,7 +519,7 @@
 //! It is at its best where the solution has to be right: references, statics, measured materials. Elsewhere:
 //! - **Interactive rates.** Half a second of the hanging sheet of 64 × 64 vertices (one thread of a 2-core AMD EPYC Zen
 //!   4, commit 63d79ae, `cloth-bench/doc/results.md`) takes 15 ms a step by converged implicit Euler and 3.0 by
-//!   projective dynamics, for the same fall and stretch. Between them is [`ImplicitConfig::truncated`]. For springs
+//!   projective dynamics, for the same fall and stretch. Between them is `tolerance: 1e-2`. For springs
 //!   projective dynamics is "Fast simulation of mass-spring systems" (Liu et al. 2013): as
 //!   `½ k (l − L)² = min ½ k ‖x₀ − x₁ − d‖²` over ‖d‖ = L, the d are unknowns beside x; the local step is `d = L n`,
 //!   the global step solves a constant matrix, and neither raises G.

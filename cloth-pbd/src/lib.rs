@@ -494,15 +494,16 @@
 //!   C = 0; where `k h² w̃ ≤ −1` there is no s, and the step ends with [`StepError::NonFinite`].
 //!
 //! # When not to use this method
-//! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
-//! 2-core AMD EPYC Zen 4, commit 6d27035, `cloth-bench study convergence`):
+//! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s; one
+//! thread of a 2-core AMD EPYC Zen 3, commit 257771a6, medians of `cloth-bench run hang --n 64 --steps 30 --threads 1
+//! --method M`, with `--set substeps=1` for PBD and `substeps=published` for XPBD):
 //!
 //! | method | ms per step | fall of the centre of mass | largest stretch |
 //! |---|---|---|---|
-//! | PBD, the default of 20 iterations | 4.8 | 1.155 m | 1515 % |
-//! | XPBD, 20 substeps | 6.6 | 0.589 m | 197 % |
-//! | projective dynamics, 10 quasi-Newton iterations | 3.6 | 0.499 m | 1.2 % |
-//! | implicit Euler, converged | 21 | 0.499 m | 1.2 % |
+//! | PBD, the default of 20 iterations | 4.9 | 1.155 m | 1515 % |
+//! | XPBD, 20 substeps | 5.6 | 0.589 m | 197 % |
+//! | projective dynamics, the default | 5.5 | 0.498 m | 1.2 % |
+//! | implicit Euler, to 10⁻³ | 31 | 0.499 m | 1.2 % |
 //!
 //! - **Cloth with a material**, whose k, membrane modulus Y or bending rigidity D should mean something: take XPBD,
 //!   which costs the same a sweep, or projective dynamics.

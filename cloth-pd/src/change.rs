@@ -6,9 +6,14 @@ use cloth_core::energy::Attachment;
 use cloth_core::math::{Real, Vec3, is_finite};
 use std::fmt;
 
-/// Names an attachment that was made with [`PdSolver::attach`].
+/// Names an attachment that was made with [`PdSolver::attach`], and no other one, also once it has been taken away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AttachmentId(u32);
+pub struct AttachmentId {
+    /// Its place, which a later one may take.
+    place: u32,
+    /// How many there have been in that place before it.
+    number: u32,
+}
 
 /// Changes of the cloth between two steps.
 ///
@@ -94,9 +99,11 @@ impl PdSolver {
         let index = free.unwrap_or(attachments.len());
         if free.is_none() {
             attachments.push(attachment);
+            self.objective.attachment_numbers.push(0);
         }
         attachments[index] = attachment;
-        Ok(AttachmentId(index as u32))
+        let (place, number) = (index as u32, self.objective.attachment_numbers[index]);
+        Ok(AttachmentId { place, number })
     }
 
     /// Moves the target (m) of an attachment.
@@ -116,7 +123,7 @@ impl PdSolver {
         Ok(())
     }
 
-    /// Takes an attachment away. Its name may be given to a later one.
+    /// Takes an attachment away.
     ///
     /// # Errors
     /// [`ChangeError::NoSuchAttachment`].
@@ -125,6 +132,7 @@ impl PdSolver {
         let gone = &mut self.objective.attachments[index];
         let (vertex, stiffness) = (gone.vertex, gone.stiffness);
         gone.stiffness = 0.0;
+        self.objective.attachment_numbers[index] += 1;
         self.add_attachment_term(vertex, -stiffness);
         Ok(())
     }
@@ -154,12 +162,11 @@ impl PdSolver {
         }
     }
 
-    fn index_of(&self, AttachmentId(index): AttachmentId) -> Result<usize, ChangeError> {
-        let is_there = |attachment: &Attachment| attachment.stiffness > 0.0;
-        let index = index as usize;
-        match self.objective.attachments.get(index).is_some_and(is_there) {
-            true => Ok(index),
-            false => Err(ChangeError::NoSuchAttachment),
+    fn index_of(&self, id: AttachmentId) -> Result<usize, ChangeError> {
+        let index = id.place as usize;
+        match self.objective.attachment_numbers.get(index) {
+            Some(number) if *number == id.number => Ok(index),
+            _ => Err(ChangeError::NoSuchAttachment),
         }
     }
 

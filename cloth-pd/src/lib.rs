@@ -477,31 +477,30 @@
 //! | | one length of a step for all vertices | a bound for each vertex |
 //!
 //! # When not to use this method
-//! Where seconds of motion have to look right and nothing touches, take a step of implicit Euler (`cloth-massspring`)
-//! that is cut short: `ImplicitConfig::truncated`, three Newton iterations with the clamped Hessian, each of at most
-//! five conjugate gradients around a multigrid cycle, from `x[0] + Δt v[0]`. Five seconds of the sheet, relative to
-//! converged implicit Euler; means over the last 100 of 300 steps, `elastic` at the last, processor time on one thread
-//! in milliseconds a step (AMD EPYC, Zen 4, beside other programs, so that only ratios count):
+//! Where seconds of motion have to look right, take implicit Euler (`cloth-massspring`), with a tolerance of 10⁻² if
+//! nothing touches. Five seconds of the sheet: means over the last 100 of 300 steps, kinetic energy and stretch beside
+//! those of implicit Euler to 10⁻³, `elastic` at the last step; median milliseconds a step on one thread of a 2-core AMD
+//! EPYC (Zen 3), commit 257771a6:
 //!
-//! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
+//! | n | | iterations | kinetic energy | largest stretch | elastic | ms |
 //! |---|---|---|---|---|---|---|
-//! | 64 | 10 iterations | −52 % | −3 % | −28 % | × 9 | 3.7 |
-//! | | the default, 12 cells (18 on average) | −12 % | −3 % | +7 % | × 3.0 | 6.1 |
-//! | | 18 iterations, 16 cells | −15 % | −4 % | +6 % | × 2.8 | 5.9 |
-//! | | three Newton iterations of 5 | −3.4 % | +0.6 % | −3.3 % | × 0.94 | 10 |
-//! | 128 | 10 iterations | −43 % | −2 % | −14 % | × 15 | 25 |
-//! | | the default, 12 cells (16 on average) | −11 % | −0.9 % | +9 % | × 4.9 | 36 |
-//! | | 18 iterations, 16 cells | −8 % | −1.2 % | +10 % | × 4.9 | 42 |
-//! | | three Newton iterations of 5 | −3.0 % | +1.3 % | −11 % | × 0.83 | 72 |
+//! | 64 | 10 iterations | 10 | −43 % | −8 % | × 10 | 4.1 |
+//! | | the default, 12 cells | 19 | −17 % | −4 % | × 4.0 | 6.4 |
+//! | | `velocity_tolerance: 0.03` | 39 | −3 % | −0.1 % | × 1.1 | 12 |
+//! | | implicit Euler to 10⁻² | 15 | −0.2 % | +0.7 % | × 1.0 | 14 |
+//! | | implicit Euler to 10⁻³, its default | 28 | | | | 21 |
+//! | 128 | 10 iterations | 10 | −49 % | −8 % | × 20 | 19 |
+//! | | the default, 12 cells | 17 | −12 % | +0.9 % | × 4.8 | 28 |
+//! | | implicit Euler to 10⁻² | 14 | −0.1 % | +0.1 % | × 0.95 | 54 |
+//! | | implicit Euler to 10⁻³, its default | 30 | | | | 93 |
 //!
-//! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd`, `--set iterations=10`, or `iterations=18` and
-//! `coarse=16`, or `--method implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5`
-//! and `--set start=inertial`.) The default is 1.6 to 2 times as fast and keeps most of the swing, but its elastic
-//! energy is three to five times too large, as what should fold is compressed. Three Newton iterations have the kinetic
-//! energy within 4 % and the elastic one within 17 %.
+//! (`cloth-bench run hang --n 64 --steps 300 --threads 1 --json`, with `--method pd` or `implicit-euler` and `--set
+//! iterations=10`, `velocity_tolerance=0.03` or `tolerance=0.01`.) The default is twice as fast as implicit Euler to
+//! 10⁻² and keeps most of the swing, but its elastic energy is four to five times too large, as what should fold is
+//! compressed; where it is as right, it is no faster.
 //!
-//! In contact these times do not hold, and `truncated` is refused; `cloth-bench study decision` has a table with
-//! contact. To the last digits Newton's method (`cloth-massspring`) gets in a dozen iterations. Other cases:
+//! In contact these times do not hold; `cloth-bench study decision` has a table with contact. To the last digits
+//! Newton's method (`cloth-massspring`) gets in a dozen iterations. Other cases:
 //! - **Other energies**, such as neo-Hookean: ADMM (Narain et al. 2016, Overby et al. 2017) keeps local steps and a
 //!   constant matrix, with a multiplier an element, but no longer lowers `G` in every iteration; or Newton's method.
 //! - **A factor that does not fit** into the memory, or a GPU, on which triangular solves wait: in its place sweeps of

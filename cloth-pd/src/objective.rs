@@ -82,6 +82,8 @@ pub(crate) struct Objective {
     quadratic: Quadratic,
     /// Attachments that came after the solver was built; without stiffness where one has gone.
     pub(crate) attachments: Vec<Attachment>,
+    /// How many attachments have been taken away from each of these places.
+    pub(crate) attachment_numbers: Vec<u32>,
     /// What is measured piece by piece.
     pub(crate) pieces: Pieces,
     /// x[0] (m).
@@ -152,6 +154,7 @@ impl Objective {
         Self {
             quadratic: Quadratic::of(particles.len(), &families),
             attachments: Vec::new(),
+            attachment_numbers: Vec::new(),
             pieces: Pieces::default(),
             particles,
             families,

@@ -507,18 +507,18 @@
 //!   [`SpringLaw`](cloth_core::cloth::SpringLaw), `cloth_core::dof`.
 //!
 //! # When not to use this method
-//! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
-//! 2-core AMD EPYC Zen 4, commit 6d27035, `cloth-bench study convergence`, without `energy_gain`). The times are of
-//! single steps, so those of XPBD are 0.33 and 0.25 ms a substep; why the shorter step takes more for each was not
-//! looked into. Compare times within this table only: the [tables of a sweep and a
-//! substep](XpbdSolver#what-a-step-costs) and those of `direct` are from other machines.
+//! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s; one
+//! thread of a 2-core AMD EPYC Zen 3, commit 257771a6, medians of `cloth-bench run hang --n 64 --steps 30 --threads 1
+//! --method M`, with `--set substeps=published` and `substeps=177` for XPBD). Compare times within this table only: the
+//! [tables of a sweep and a substep](XpbdSolver#what-a-step-costs) and those of `direct` are from other commits or
+//! machines.
 //!
 //! | method | ms per step | largest stretch at the end |
 //! |---|---|---|
-//! | XPBD, the default of 20 substeps | 6.6 | 197 % |
-//! | XPBD, 177 substeps by [`SubstepRule`] | 44 | 1.8 % |
-//! | projective dynamics, 10 quasi-Newton iterations | 3.6 | 1.2 % |
-//! | implicit Euler, converged | 21 | 1.2 % |
+//! | XPBD, the default of 20 substeps | 5.6 | 197 % |
+//! | XPBD, 177 substeps by [`SubstepRule`] | 48 | 1.8 % |
+//! | projective dynamics, the default | 5.5 | 1.2 % |
+//! | implicit Euler, to 10⁻³ | 31 | 1.2 % |
 //!
 //! - **Fine and stiff cloth**: the substeps for a wanted strain grow with the number of vertices a side or a little
 //!   faster, so the cost grows with its cube or more. At 64 a side others are cheaper for the same strain.

@@ -3,6 +3,7 @@
 use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Auto, Choice, Or, Parameter, Range::*, Settings, Table};
+use cloth_core::element::Convexity;
 use cloth_core::math::Real;
 use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_massspring::{Damping, HessianPolicy, ImplicitConfig, Solve, StartGuess};
@@ -98,7 +99,10 @@ pub(super) fn newton(scene: &Scene, settings: &Settings) -> Result<ImplicitConfi
     }
     // With the exact Hessian first, steps of few conjugate gradients can fail.
     let (solver, hessian) = match *own.linear {
-        Or::Word(_) => (LinearSolver::Multigrid, ImplicitConfig::truncated().hessian),
+        Or::Word(_) => (
+            LinearSolver::Multigrid,
+            HessianPolicy::Always(Convexity::Clamp),
+        ),
         Or::Value(solver) => (solver, HessianPolicy::default()),
     };
     let (solve, linear) = if is_quasi_newton {

@@ -313,6 +313,17 @@ fn changes_that_make_no_sense_are_refused() {
     assert!(cloth.solver.move_attachment(id, nowhere).is_err());
     cloth.solver.detach(id).unwrap();
     assert_eq!(cloth.solver.detach(id), Err(ChangeError::NoSuchAttachment));
+    // The name of one that is gone is not that of the next.
+    let next = cloth
+        .solver
+        .attach(Attachment { vertex: 2, ..tie })
+        .unwrap();
+    let moved = |solver: &mut PdSolver, id| solver.move_attachment(id, Vec3::zeros());
+    assert_eq!(
+        moved(&mut cloth.solver, id),
+        Err(ChangeError::NoSuchAttachment)
+    );
+    assert_eq!(moved(&mut cloth.solver, next), Ok(()));
     let (family, element) = (0, 5);
     cloth.solver.remove(family, element).unwrap();
     let gone = Err(ChangeError::NoSuchElement { family, element });
