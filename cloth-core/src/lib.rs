@@ -159,9 +159,6 @@ pub mod check;
 
 pub mod method;
 
-/// In the version whose vectors and matrices are those of [`math`].
-pub use nalgebra;
-
 pub use cloth::{Cloth, ClothModel, Membrane};
 pub use contact::ContactSource;
 pub use math::{Real, Vec3};

@@ -3,6 +3,9 @@
 use crate::element::Convexity;
 use std::f64::consts::FRAC_1_SQRT_2;
 
+/// In the version whose vectors and matrices are those here.
+pub use nalgebra;
+
 /// The scalar of the whole workspace.
 pub type Real = f64;
 
