@@ -12,7 +12,7 @@
 //!
 //! Stiff springs with slack under compression that land on an edge take some steps thousands of iterations, each cut to
 //! a hundredth of its direction. In vain: for springs within their slack the mean stiffness up to where the last
-//! direction would have led (no change), all of it (as many iterations), a hundredth of it (half of them).
+//! direction would have led (no change), all of it (as many linear iterations), a hundredth of it (half of them).
 
 use super::drift::Unconstrained;
 use super::line_search::Point;
