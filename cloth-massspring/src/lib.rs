@@ -483,7 +483,7 @@
 //! |---|---|
 //! | cloth at steps of a frame | the default |
 //! | a reference, a rest shape | [`ImplicitConfig::reference`]; one step of 10⁶ s or more, `tolerance: 0` |
-//! | seconds of motion at half the cost, nothing touched | `tolerance: 1e-2` ([why](ImplicitConfig::tolerance)) |
+//! | seconds of motion in half of the iterations, nothing touched | `tolerance: 1e-2` ([why](ImplicitConfig::tolerance)) |
 //! | the least cost of a step, slow or taut cloth | [`ImplicitConfig::linearized`] |
 //! | cloth that stiffens or must not stretch beyond a bound | [below](#strain-limits) |
 //! | little numerical damping at large steps | [`Bdf2`], best above 11 steps a period; at another Δt, implicit Euler |

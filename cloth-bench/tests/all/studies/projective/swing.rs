@@ -5,9 +5,9 @@ use cloth_bench::studies::projective::swing::{
     CONVERGED, EULER, Errors, PD, SETTINGS, Swing, verdict,
 };
 
-/// A tolerance of a hundredth keeps the swing, and so do five conjugate gradients in each of three Newton iterations, to
-/// a twelfth. What projective dynamics loses rounding alone moves by a seventh: in ten iterations, with sums in another
-/// order, it has been −0.47 and −0.61 here; with as many as its tolerance takes it is −0.19.
+/// A tolerance of a hundredth keeps the swing, and so do five conjugate gradients in each of three Newton iterations,
+/// to a twelfth. What projective dynamics loses rounding alone moves by a seventh: in ten iterations, with sums in
+/// another order, it has been −0.47 and −0.61 here; with as many as its tolerance takes it is −0.19.
 #[test]
 fn implicit_steps_cut_short_swing_on_where_projective_dynamics_loses_some() {
     let converged = Swing::of(24, EULER, &Settings::of(CONVERGED)).unwrap();
