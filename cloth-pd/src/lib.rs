@@ -498,7 +498,7 @@
 //! (`cloth-bench run hang --n 64 --steps 300 --threads 1 --json`, with `--method pd` or `implicit-euler` and `--set
 //! iterations=10`, `velocity_tolerance=0.03` or `tolerance=0.01`.) The default is twice as fast as implicit Euler to
 //! 10⁻² and keeps most of the swing, but its elastic energy is four to five times too large, as what should fold is
-//! compressed. With a tolerance by which it is within 4 % it takes 0.9 and 1.2 times as long.
+//! compressed. With a tolerance by which it is within 5 % it takes 0.9 and 1.2 times as long.
 //!
 //! In contact these times do not hold; `cloth-bench study decision` has a table with contact. To the last digits
 //! Newton's method (`cloth-massspring`) gets in a dozen iterations. Other cases:
