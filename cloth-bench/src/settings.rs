@@ -245,6 +245,12 @@ impl Settings {
         self
     }
 
+    /// The same settings without those of a key.
+    pub(crate) fn without(mut self, key: &str) -> Self {
+        self.given.retain(|entry| entry.key != key);
+        self
+    }
+
     /// These settings and `later` ones, which hold where both are given.
     pub fn then(mut self, later: &Self) -> Self {
         self.given.extend_from_slice(&later.given);

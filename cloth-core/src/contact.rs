@@ -112,6 +112,10 @@ pub trait ContactSource {
         0.0
     }
 
+    /// Takes back the step that has ended last, of either view, for a method that does not take it after all: the next one
+    /// begins where that has begun, with bodies as they were there. A source in which nothing moves leaves it out.
+    fn take_back(&mut self) {}
+
     /// Whether there is anything to touch. If not, a step is one without contact.
     fn can_touch(&self) -> bool {
         true

@@ -144,9 +144,8 @@ impl Pins {
     ///
     /// # Errors
     /// [`ParticleError::InvalidTimeStep`] if `dt` is not positive and finite; [`ParticleError::NoSuchVertex`] if
-    /// `state` has fewer vertices than the particles the pins were made for. Nothing has changed then.
-    /// [`ParticleError::InvalidPath`] if the velocity of a pin would not be finite; those of the pins that were added
-    /// before it are set then.
+    /// `state` has fewer vertices than the particles the pins were made for; [`ParticleError::InvalidPath`] if the
+    /// velocity of a pin would not be finite. Nothing has changed then.
     pub fn set_velocities(&self, state: &mut State, dt: Real) -> Result<(), ParticleError> {
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(ParticleError::InvalidTimeStep { dt });
@@ -160,12 +159,13 @@ impl Pins {
             });
         }
         let time = state.time + dt;
-        for &(vertex, ref path) in &self.paths {
-            let velocity = (path(time) - state.positions[vertex]) / dt;
-            if !is_finite(&velocity) {
-                return Err(ParticleError::InvalidPath { vertex, time });
-            }
-            state.velocities[vertex] = velocity;
+        let reaches = |vertex: usize, path: &Path| (path(time) - state.positions[vertex]) / dt;
+        let is_bad = |(vertex, path): &&(usize, Path)| !is_finite(&reaches(*vertex, path));
+        if let Some(&(vertex, _)) = self.paths.iter().find(is_bad) {
+            return Err(ParticleError::InvalidPath { vertex, time });
+        }
+        for (vertex, path) in &self.paths {
+            state.velocities[*vertex] = (path(time) - state.positions[*vertex]) / dt;
         }
         Ok(())
     }

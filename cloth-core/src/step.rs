@@ -225,9 +225,15 @@ impl<'a> StepInput<'a> {
                 vertex: Some(vertex),
             });
         }
+        if state.steps == u64::MAX {
+            return Err(StepError::NonFiniteInput {
+                what: "the number of the next step",
+                vertex: None,
+            });
+        }
         let source = self.contacts.as_ref();
         let fits = source.map_or(Ok(()), |source| source.check_time(state.time, self.dt));
-        let step = state.steps.saturating_add(1);
+        let step = state.steps + 1;
         fits.map_err(|reason| StepError::Contact { reason, step })
     }
 
@@ -509,6 +515,15 @@ impl fmt::Display for StepError {
             } if *stable_dt == 0.0 => write!(
                 f,
                 "step {step} is unstable: the time step is {dt:.4e} s, and no step is stable for this method"
+            ),
+            Self::Unstable {
+                dt,
+                stable_dt,
+                step,
+            } if dt / stable_dt > Real::from(u32::MAX) => write!(
+                f,
+                "step {step} is unstable: the time step is {dt:.4e} s, the largest stable one is {stable_dt:.4e} s: no \
+                 number of substeps makes up for that"
             ),
             Self::Unstable {
                 dt,

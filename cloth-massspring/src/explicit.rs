@@ -223,7 +223,12 @@ impl Explicit {
             monitor.add_work(closing);
             let touched = input.contacts.as_deref();
             let ended = monitor.end(&self.model, &self.positions, &self.velocities, touched);
-            ended.map_err(|failure| self.report(failure, &input, step))?;
+            if let Err(failure) = ended {
+                if let Some(contacts) = &mut input.contacts {
+                    contacts.take_back();
+                }
+                return Err(self.report(failure, &input, step));
+            }
         }
         std::mem::swap(&mut state.positions, &mut self.positions);
         std::mem::swap(&mut state.velocities, &mut self.velocities);

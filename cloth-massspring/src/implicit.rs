@@ -470,7 +470,7 @@ impl Implicit {
             let (of_contact, stored) = (source.work(), source.potential_energy());
             if is_middle && input.air.is_none() {
                 let work = of_contact + report.pin_work.unwrap_or(0.0);
-                self.guard.end(&Ended {
+                let ended = self.guard.end(&Ended {
                     particles: &self.particles,
                     energies: &self.energies,
                     positions: &self.predicted,
@@ -479,7 +479,11 @@ impl Implicit {
                     work: work + self.steady_work(state, input),
                     stored,
                     step,
-                })?;
+                });
+                if let Err(gain) = ended {
+                    source.take_back();
+                    return Err(gain);
+                }
             }
         }
         state.positions.copy_from_slice(&self.predicted);

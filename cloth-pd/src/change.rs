@@ -6,6 +6,10 @@ use cloth_core::energy::Attachment;
 use cloth_core::math::{Real, Vec3, is_finite};
 use std::fmt;
 
+/// The stiffest attachment (N/m): of one that is 10⁸ times as stiff as cloth of 10⁴ N/m, half of the digits are left
+/// when it goes.
+const STIFFEST: Real = 1e12;
+
 /// Names an attachment that was made with [`PdSolver::attach`], and no other one, also once it has been taken away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AttachmentId {
@@ -85,12 +89,13 @@ impl PdSolver {
     /// subtracts nearly equal numbers, and loses as many digits as K/(n k) has.
     ///
     /// # Errors
-    /// [`ChangeError::NoSuchVertex`]; [`ChangeError::InvalidAttachment`] for a stiffness that is not positive and
-    /// finite, or a target that is not finite.
+    /// [`ChangeError::NoSuchVertex`]; [`ChangeError::InvalidAttachment`] for a stiffness that is not positive or above
+    /// 10¹² N/m, or a target that is not finite. (A vertex that is to yield even less is better
+    /// [prescribed](Self::prescribe).)
     pub fn attach(&mut self, attachment: Attachment) -> Result<AttachmentId, ChangeError> {
         self.require(attachment.vertex as usize)?;
         let stiffness = attachment.stiffness;
-        if !(stiffness > 0.0 && stiffness.is_finite() && is_finite(&attachment.target)) {
+        if !(stiffness > 0.0 && stiffness <= STIFFEST && is_finite(&attachment.target)) {
             return Err(ChangeError::InvalidAttachment { attachment });
         }
         self.add_attachment_term(attachment.vertex, stiffness);
@@ -197,7 +202,7 @@ pub enum ChangeError {
     },
     /// An attachment was named that has been taken away.
     NoSuchAttachment,
-    /// The stiffness is not a positive finite number, or the target is not finite.
+    /// The stiffness is not above 0 and at most 10¹² N/m, or the target is not finite.
     InvalidAttachment {
         /// What was given.
         attachment: Attachment,
@@ -214,7 +219,8 @@ impl fmt::Display for ChangeError {
             Self::NoSuchAttachment => write!(f, "that attachment has been taken away"),
             Self::InvalidAttachment { attachment } => write!(
                 f,
-                "an attachment has to have a positive finite stiffness and a finite target, but this one is {attachment:?}"
+                "an attachment has to have a stiffness above 0 and of {STIFFEST:.0e} N/m at most, and a finite target, but this \
+                 one is {attachment:?}"
             ),
         }
     }

@@ -110,6 +110,7 @@ impl Stepper for XpbdSolver {
         state: &mut State,
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
+        input.check(state, self.motion.vertex_count())?;
         let fallbacks_before = self.families.chebyshev_fallbacks();
         let before = self.energy_before(state, input.dt);
         // After a step that failed the multipliers may be no numbers.
@@ -271,7 +272,7 @@ impl XpbdSolver {
     /// positions that the step ended at, and where contact moved nothing, it is the residual of the sweeps.
     ///
     /// Rows that no multiplier can change (no stiffness; hard, with all vertices prescribed) are left out.
-    /// Before the first step it is 0.
+    /// Before the first step, and after one that has failed, it is 0.
     ///
     /// # How to read it
     /// A residual r of a spring is the part of its stretch that its tension −λ/h² does not explain: `C = −α̃λ + r`. So

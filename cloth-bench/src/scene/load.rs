@@ -11,7 +11,8 @@ impl Scene {
     /// wind, masses beside its own and bodies that come to hang in it, as far as they are more than its own weight.
     ///
     /// A force F goes through the edges at the vertices on which it acts, and through those at the vertices that are
-    /// held. If the fewer of them are n, and edges are l long, that is `F/(n l)`.
+    /// held. If the fewer of them are n, and edges are l long, that is `F/(n l)`. Cloth that is held whole may be let go
+    /// later.
     pub fn lasting_tension(&self) -> Result<Real, BenchError> {
         let x = &self.start.positions;
         let gases = self.gases.iter().map(|gas| gas.tension(x));
@@ -23,6 +24,10 @@ impl Scene {
             // On a fold or a rim of some √V vertices.
             0 => (free as Real).sqrt(),
             held => held as Real,
+        };
+        let loaded = match free {
+            0 => particles.len(),
+            free => free,
         };
         let gravity = self.gravity.norm();
         let pushes = self.changes.iter().filter_map(|change| match &change.kind {
@@ -42,11 +47,11 @@ impl Scene {
         let wind = self
             .air
             .as_ref()
-            .map(|air| (free, air.largest_pressure() * area));
+            .map(|air| (loaded, air.largest_pressure() * area));
         let (mut force, mut along) = (0.0, 0.0);
         let bodies = self.touch.iter().flat_map(|touch| touch.free_bodies());
         let bodies = bodies.filter(|_| self.can_carry());
-        let bodies = bodies.map(|(_, body)| (free, body.mass() * gravity));
+        let bodies = bodies.map(|(_, body)| (loaded, body.mass() * gravity));
         for (vertices, newtons) in pushes.chain(weights).chain(bodies).chain(wind) {
             force += newtons;
             along += newtons / held.min(vertices as Real);

@@ -145,6 +145,27 @@ fn pieces_of_two_materials_hang_as_each_does_alone() {
     }
 }
 
+/// Of keys of which one can be given, that of a piece takes the place of either in `[cloth]`.
+#[test]
+fn a_piece_may_have_a_modulus_where_the_others_have_a_stiffness() {
+    let stiffness = |common: &str, own: &str| {
+        let text = format!(
+            "[cloth]\n{common}\n{STRIP}{STRIP}translate = [1, 0, 0]\n[mesh.cloth]\n{own}\n"
+        );
+        let springs = scene("alternatives", &text).model.springs;
+        [0, springs.len() - 1].map(|spring| springs[spring].stiffness)
+    };
+    let [of_modulus, _] = stiffness("modulus = 2000", "density = 0.3");
+    assert_eq!(
+        stiffness("stiffness = 1e4", "modulus = 2000"),
+        [1e4, of_modulus]
+    );
+    assert_eq!(
+        stiffness("modulus = 2000", "stiffness = 1e4"),
+        [of_modulus, 1e4]
+    );
+}
+
 /// A table with `mesh` chooses among the vertices of that piece, which it counts from 0.
 #[test]
 fn vertices_are_chosen_within_a_piece() {

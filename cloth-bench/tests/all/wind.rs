@@ -170,3 +170,20 @@ fn wind_gives_the_same_bits_with_any_number_of_threads() {
         assert_eq!(one, two, "{method}");
     }
 }
+
+/// Cloth that is held whole at first has a number of substeps too, for the wind that meets it once it is let go.
+#[test]
+fn cloth_that_is_held_whole_is_let_go_in_the_wind() {
+    let text = format!(
+        "{LIGHT}[[pins]]\nbox = [[-1, -1, -1], [1, 1, 1]]\nuntil = 0.05\n[air]\nwind = [0, 12, 0]\n"
+    );
+    let scene = scene("let_go", &text);
+    assert!(scene.lasting_tension().unwrap().is_finite());
+    let state = run(&scene, "xpbd", &[], 10).1;
+    let slowest = state
+        .velocities
+        .iter()
+        .map(|v| v.y)
+        .fold(f64::INFINITY, f64::min);
+    assert!(slowest > 0.0, "{slowest} m/s");
+}

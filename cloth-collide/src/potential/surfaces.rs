@@ -103,11 +103,10 @@ const NO_TIME: Real = 1e-12;
 ///
 /// # To come back to a state
 ///
-/// Contact has a state of its own: where bodies are and how they move, how far friction is stretched, and what is known
-/// to be free of crossings. It goes on with the state of the cloth, and a cloth that is put back alone would meet
-/// bodies elsewhere: with moving ones, a state of another time is refused ([`ContactError::WrongTime`]). A clone is a
-/// snapshot: restored together with the state, it repeats the same steps bit for bit.
-/// [`take_back`](Self::take_back) undoes the last step of a method that minimises, and
+/// Contact has a state of its own: where bodies are, how far friction is stretched, what is known to be free of
+/// crossings. A cloth that is put back alone would meet bodies elsewhere: with moving ones, a state of another time is
+/// refused ([`ContactError::WrongTime`]). A clone is a snapshot: restored together with the state, it repeats the same
+/// steps bit for bit. [`take_back`](Self::take_back) undoes the last step, and
 /// [`begins_at`](PotentialBuilder::begins_at) builds contact anew for a later time. A method may have a memory too
 /// ([`Stepper::step`](cloth_core::step::Stepper::step)).
 #[derive(Clone, Debug)]
@@ -338,16 +337,15 @@ impl PotentialContacts {
 
     /// Whether a vertex of the cloth at `x` (m) is inside of a body with an inside and a surface.
     pub(crate) fn contain(&self, vertex: u32, x: Vec3) -> bool {
-        let bodies = self.surfaces.list.iter().filter_map(|s| match s.motion {
+        let mut bodies = self.surfaces.list.iter().filter_map(|s| match s.motion {
             SurfaceMotion::Obstacle(number) => Some(&self.contacts.bodies[number].0),
             SurfaceMotion::Own(..) => None,
         });
-        let mut bodies = bodies.filter(|_| (vertex as usize) < self.surfaces.cloth);
-        bodies.any(|body| body.signed_distance(x, 0.0).value <= 0.0)
+        let is_own = (vertex as usize) < self.surfaces.cloth;
+        is_own && bodies.any(|body| body.signed_distance(x, 0.0).value <= 0.0)
     }
 
-    /// Whether something gives way to the cloth that would have no feasible path without: another free body is halted,
-    /// or the cloth passes through a body.
+    /// Whether something gives way where there was no feasible path: a free body halts, or cloth passes through a body.
     fn gives_way(&mut self, error: &ContactError) -> bool {
         if let ContactError::Infeasible { vertex, .. } = error {
             let place = self.surfaces.from[*vertex as usize];
@@ -356,9 +354,9 @@ impl PotentialContacts {
             }
         }
         // The step is not taken.
-        let free = &mut self.contacts.free.list;
-        free.iter_mut()
-            .for_each(|free| free.is_halted = free.is_held);
+        for free in &mut self.contacts.free.list {
+            free.is_halted = free.is_held;
+        }
         false
     }
 
@@ -430,6 +428,10 @@ impl ContactSource for PotentialContacts {
 
     fn potential_energy(&self) -> Real {
         self.contacts.energy
+    }
+
+    fn take_back(&mut self) {
+        self.take_back();
     }
 
     fn can_touch(&self) -> bool {

@@ -32,6 +32,10 @@ impl<T: ContactSource + ?Sized> ContactSource for &mut T {
         (**self).potential_energy()
     }
 
+    fn take_back(&mut self) {
+        (**self).take_back();
+    }
+
     fn can_touch(&self) -> bool {
         (**self).can_touch()
     }

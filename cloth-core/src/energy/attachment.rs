@@ -1,7 +1,7 @@
 //! A vertex tied to a point in space.
 
 use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
-use crate::error::{OutOfRange, number};
+use crate::error::{OutOfRange, finite, number};
 use crate::math::{Real, Vec3};
 
 /// A spring of rest length zero between a vertex and a fixed point p: `E = ½ k ‖x − p‖²` (J).
@@ -26,6 +26,9 @@ impl Element<1> for Attachment {
 
     fn check(&self) -> Result<(), OutOfRange> {
         number("stiffness", self.stiffness)?;
+        for &coordinate in &self.target {
+            finite("coordinate of a target (m)", coordinate)?;
+        }
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Attachment;
 use crate::element::{Constraint, Element, Projective, Row, RowForm};
-use crate::error::{OutOfRange, number};
+use crate::error::OutOfRange;
 use crate::math::{Real, Vec3};
 use crate::pin::PinMotion;
 
@@ -82,8 +82,7 @@ impl Element<1> for SoftPin {
     }
 
     fn check(&self) -> Result<(), OutOfRange> {
-        number("stiffness", self.stiffness)?;
-        Ok(())
+        self.attachment().check()
     }
 }
 

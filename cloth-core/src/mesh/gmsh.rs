@@ -39,6 +39,10 @@ pub fn parse(text: &str) -> Result<TetMesh, MeshFileError> {
     while let Some(line) = lines.next() {
         match line {
             "$MeshFormat" => lines.format()?,
+            "$Nodes" if nodes.is_some() => return Err(lines.wrong(GmshProblem::Second("$Nodes"))),
+            "$Elements" if elements.is_some() => {
+                return Err(lines.wrong(GmshProblem::Second("$Elements")));
+            }
             "$Nodes" => nodes = Some(lines.nodes()?),
             "$Elements" => {
                 let known = nodes.as_ref();
@@ -189,6 +193,8 @@ pub enum GmshProblem {
     OtherFormat,
     /// A section is missing.
     Missing(&'static str),
+    /// There is a second section of the name.
+    Second(&'static str),
     /// The file ends within a section.
     Ends,
     /// Where a number should be, something else is.
@@ -211,6 +217,7 @@ impl fmt::Display for GmshProblem {
                 )
             }
             Self::Missing(section) => write!(f, "there is no section {section} before here"),
+            Self::Second(section) => write!(f, "there is a section {section} before this one"),
             Self::Ends => write!(f, "the file ends within a section"),
             Self::NotANumber(found) => write!(f, "a number should be here, and not {found}"),
             Self::SecondNode(node) => write!(f, "there is a node {node} already"),

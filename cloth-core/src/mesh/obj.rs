@@ -2,8 +2,8 @@
 //!
 //! What a cloth needs from an OBJ file is vertices (`v`) and faces (`f`). Other statements
 //! (texture coordinates, normals, groups, materials, lines, curves, …) are skipped. A face may name
-//! its corners as `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1 or, negative, backwards from
-//! the last vertex so far. A polygon becomes a fan around its first corner, or, where that would
+//! its corners as `v`, `v/vt`, `v//vn` or `v/vt/vn`, also with slashes that nothing follows, counted from 1 or, negative,
+//! backwards from the last vertex so far. A polygon becomes a fan around its first corner, or, where that would
 //! leave it, is [cut by ears](super#polygons). A backslash at the end of a line continues it.
 //!
 //! [`parse`] refuses what [`TriMesh::new`] and [`EdgeTable::build`] refuse, and says in which

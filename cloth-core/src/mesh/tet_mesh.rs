@@ -25,7 +25,7 @@ impl TetMesh {
     ///
     /// # Errors
     /// The first [`MeshError`] met: a position that is not finite, a tetrahedron that names a vertex that does not
-    /// exist or one twice, or has no volume to rounding, or is the third at one of its faces; a vertex that is in none;
+    /// exist or one twice, has no volume to rounding, has the vertices of another one, or is the third at one of its faces; a vertex that is in none;
     /// a surface that meets itself along an edge; no tetrahedron at all.
     pub fn new(positions: Vec<Vec3>, mut tetrahedra: Vec<[u32; 4]>) -> Result<Self, MeshError> {
         let is_finite = crate::math::is_finite;
@@ -57,6 +57,13 @@ impl TetMesh {
                 corners.swap(2, 3);
             }
         }
+        if let Some(tetrahedron) = repeated(&tetrahedra) {
+            return Err(MeshError::BadTetrahedron {
+                tetrahedron,
+                corners: tetrahedra[tetrahedron],
+                reason: "has the vertices of another one",
+            });
+        }
         let triangles = surface(&tetrahedra)?;
         check(&positions, &triangles)?;
         if let Some(vertex) = used(&tetrahedra, positions.len()).iter().position(|u| !u) {
@@ -87,6 +94,19 @@ impl TetMesh {
     pub fn into_parts(self) -> (TriMesh, Vec<[u32; 4]>) {
         (self.surface, self.tetrahedra)
     }
+}
+
+/// A tetrahedron that has the vertices of one before it.
+fn repeated(tetrahedra: &[[u32; 4]]) -> Option<usize> {
+    let sorted = tetrahedra.iter().enumerate().map(|(tetrahedron, corners)| {
+        let mut key = *corners;
+        key.sort_unstable();
+        (key, tetrahedron)
+    });
+    let mut keyed: Vec<_> = sorted.collect();
+    keyed.sort_unstable();
+    let same = keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+    same.map(|pair| pair[1].1).min()
 }
 
 /// The faces that one tetrahedron alone has, in the order of the tetrahedra.

@@ -255,6 +255,11 @@ fn pins_that_cannot_reach_their_paths_are_named() {
         }
     );
     assert_eq!(state, start);
+    // Nor do those change that could reach theirs.
+    pins.add_path(&mut particles, 0, |t| Vec3::x() * t).unwrap();
+    pins.add_path(&mut particles, 1, path).unwrap();
+    pins.set_velocities(&mut state, 2.0).unwrap_err();
+    assert_eq!(state, start);
 }
 
 #[test]

@@ -2,9 +2,10 @@
 
 use cloth_core::check;
 use cloth_core::element::{Constraint, Convexity, Element, Energy};
-use cloth_core::energy::{Attachment, CurvatureHinge, Spring};
+use cloth_core::energy::{Attachment, CurvatureHinge, SoftPin, Spring};
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::family::Energies;
+use cloth_core::pin::PinMotion;
 use cloth_core::step::BuildError;
 
 /// Deterministic numbers in (−1, 1).
@@ -83,6 +84,22 @@ fn derivatives_agree_with_differences_at_random_shapes() {
             stiffness: 3.0,
         };
         holds(&attachment, &shape(seed));
+    }
+}
+
+#[test]
+fn attachments_to_no_place_are_refused() {
+    let at = |coordinate| Attachment {
+        vertex: 0,
+        target: Vec3::new(0.0, coordinate, 0.0),
+        stiffness: 3.0,
+    };
+    at(1.0).check().unwrap();
+    for coordinate in [Real::NAN, Real::INFINITY] {
+        assert!(at(coordinate).check().is_err());
+        let start = at(coordinate).target;
+        let pin = SoftPin::new(0, 3.0, start, PinMotion::NONE, 0.0);
+        assert!(pin.check().is_err());
     }
 }
 

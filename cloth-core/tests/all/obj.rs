@@ -29,6 +29,7 @@ fn every_way_to_write_a_face_reads_the_same() {
         "f 1/1 2/2 3/3 4/4",
         "f 1//1 2//1 3//1 4//1",
         "f 1/1/1 2/2/1 3/3/1 4/4/1",
+        "f 1/ 2// 3/1/ 4",
         "f 1/-1/-1 -3//2 3/7 4",
         "f 1 2 \\\n 3 \\\n 4",
         "\tf   1\t2 3 4   # a comment",
@@ -44,7 +45,15 @@ fn every_way_to_write_a_face_reads_the_same() {
     // Faces may come first, and lines may end as they do on Windows.
     let faces_first = format!("f 1 2 3 4\n{vertices}");
     assert_eq!(obj::parse(&faces_first).unwrap(), square);
-    assert_eq!(obj::parse(&SQUARE.replace('\n', "\r\n")).unwrap(), square);
+    for end in ["\r\n", "\r"] {
+        assert_eq!(obj::parse(&SQUARE.replace('\n', end)).unwrap(), square);
+    }
+    let wrong = SQUARE.replace('\n', "\r").replace("1 3 4", "1 3 x");
+    assert!(
+        message(&wrong).starts_with("line 6: "),
+        "{}",
+        message(&wrong)
+    );
     assert_eq!(obj::parse(&format!("\u{feff}{SQUARE}")).unwrap(), square);
 }
 
@@ -172,8 +181,8 @@ fn every_mistake_names_its_line() {
             "line 7: \"3.5\" is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn",
         ),
         (
-            "f 1/ 2 3\n",
-            "line 7: \"1/\" is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn",
+            "f 1/x 2 3\n",
+            "line 7: \"1/x\" is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn",
         ),
         (
             "f 1/1/1/1 2 3\n",

@@ -231,14 +231,22 @@ fn large_strains_cost_what_the_formula_says() {
 
 #[test]
 fn what_is_no_solid_is_refused() {
-    let x = REST.to_vec();
+    let mut x = REST.to_vec();
+    x.extend([Vec3::new(2.0, 2.0, 2.5), Vec3::new(-1.0, 0.3, 3.0)]);
     let refused =
         |tetrahedra: Vec<[u32; 4]>| TetMesh::new(x.clone(), tetrahedra).unwrap_err().to_string();
     for (tetrahedra, words) in [
         (vec![], "no triangles"),
-        (vec![[0, 1, 2, 4]], "names a vertex that does not exist"),
+        (vec![[0, 1, 2, 6]], "names a vertex that does not exist"),
         (vec![[0, 1, 2, 1]], "names a vertex twice"),
-        (vec![[0, 1, 2, 3]; 3], "is the third at one of its faces"),
+        (
+            vec![[0, 1, 2, 3], [3, 2, 1, 0]],
+            "has the vertices of another one",
+        ),
+        (
+            vec![[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]],
+            "is the third at one of its faces",
+        ),
     ] {
         let found = refused(tetrahedra);
         assert!(found.contains(words), "{found}");
@@ -250,6 +258,7 @@ fn what_is_no_solid_is_refused() {
         "{error}"
     );
     // Turned inside out it becomes right.
+    x.truncate(4);
     let right = TetMesh::new(x.clone(), vec![[0, 2, 1, 3]]).unwrap();
     let [corners] = right.tetrahedra() else {
         panic!()
@@ -316,6 +325,21 @@ fn mistakes_in_a_file_of_gmsh_are_told_with_their_line() {
         ("1 2 4 7 8", "1 2 4 7", "line 17"),
         ("2 4 7 8", "2 4 7 3", "line 17: there is no node 3"),
         ("0 1 2 4 7 8", "0 1 2 4 7 7", "line 17: tetrahedron 1"),
+        (
+            "2 4 7 8",
+            "2 4 7 1",
+            "line 17: tetrahedron 1 with the vertices [1, 2, 0, 3] has the vertices of another one",
+        ),
+        (
+            "$EndElements\n",
+            "$EndElements\n$Nodes\n0\n",
+            "line 19: there is a section $Nodes before this one",
+        ),
+        (
+            "$EndElements\n",
+            "$EndElements\n$Elements\n0\n",
+            "line 19: there is a section $Elements before this one",
+        ),
         ("$Nodes", "$Knots", "there is no section $Nodes"),
         ("$Elements", "$Parts", "there is no section $Elements"),
         (

@@ -110,6 +110,16 @@ impl Damper {
         0.5 * self.scale * twice
     }
 
+    /// By how much (J) rounding may change the [`value`](Self::value) at `x`: in rigid motion large terms cancel.
+    pub(super) fn rounding(&self, x: &[Vec3]) -> Real {
+        let mut sum = 0.0;
+        self.for_each_block(|row, column, block| {
+            let [a, b] = [row, column].map(|v| x[v] - self.from[v]);
+            sum += a.norm() * (block * b).norm();
+        });
+        Real::EPSILON * self.scale * sum
+    }
+
     pub(super) fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
         self.multiply(|v| x[v] - self.from[v], out);
     }

@@ -28,7 +28,7 @@ use crate::stability::dot;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 
-/// `G` may rise by this fraction of itself where the slopes show that the minimum comes nearer: two values of `G` that
+/// `G` may rise by this fraction of itself, and by the rounding of terms that cancel in it, where the slopes show that the minimum comes nearer: two values of `G` that
 /// differ by less cannot be told apart (see [`search`]).
 const ROUNDING: Real = 1e-10;
 /// In that case the slope at the new point may be at most this fraction of the size of the first, the approximate Wolfe
@@ -91,7 +91,9 @@ pub(super) fn search(
         to.evaluate(stage);
         let rise = to.value - from.value;
         let enough = rise <= ARMIJO * length * slope;
-        let is_told_apart = rise.is_nan() || rise > ROUNDING * from.value.abs();
+        let rounding = ROUNDING * from.value.abs();
+        let is_told_apart = rise.is_nan()
+            || (rise > rounding && rise > rounding + stage.value_rounding(&from.positions));
         let is_flatter = || dot(&to.gradient, direction) <= APPROXIMATE_WOLFE * slope.abs();
         let accepted = enough || (!is_told_apart && is_flatter());
         Trial { rise, accepted }

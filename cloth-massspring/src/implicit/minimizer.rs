@@ -64,6 +64,8 @@ pub(super) struct Minimizer {
     pub(super) newton: Option<NewtonSystem>,
     /// Where the cloth is linearised, and scratch for a displacement from there (m); with contact only.
     linearized: Option<(Point, Vec<Vec3>)>,
+    /// Where prescribed vertices end (m), while they are put back; empty before.
+    pin_ends: Vec<Vec3>,
     /// Where each vertex is followed as far as it can go alone: the fractions (dimensionless), and the displacements
     /// (m).
     fractions: Vec<Real>,
@@ -134,6 +136,7 @@ impl Minimizer {
                 })
                 .transpose()?,
             linearized: None,
+            pin_ends: Vec::new(),
             fractions: Vec::new(),
             shortened: Vec::new(),
             truncation: FadingTruncation::default(),

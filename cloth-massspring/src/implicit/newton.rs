@@ -84,7 +84,8 @@ pub(super) fn iterate(
     })
 }
 
-/// One full Newton step and nothing else.
+/// One full Newton step and nothing else. From where the cloth was, prescribed vertices are there too: that they move
+/// is a part of the step, `H Δx` in the gradient, so that a cloth that moves along with them is not strained.
 pub(super) fn solve_once(
     points: &mut Minimizer,
     task: &Task<'_>,
@@ -93,15 +94,22 @@ pub(super) fn solve_once(
     with_system(points, |points, system| {
         let stage = &task.stage;
         report.iterations = 1;
+        let are_back = points.put_pins_back(task);
         stage.gradient_into(&points.current.positions, &mut points.current.gradient);
         points.current.value = 0.0;
         points.gradient_norm(task)?;
         system.restore_momentum(stage, &mut points.current);
         system.assemble(stage, &points.current.positions);
         factorize(points, system, task, report)?;
+        if are_back {
+            points.add_pull_of_pins(system.matrix());
+        }
         solve(points, system, task, report)?;
         for (x, p) in points.current.positions.iter_mut().zip(&points.direction) {
             *x += p;
+        }
+        if are_back {
+            points.put_pins_on();
         }
         // What an iterative solver left of it.
         system.restore_momentum(stage, &mut points.current);

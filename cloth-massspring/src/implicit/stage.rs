@@ -131,6 +131,11 @@ impl Stage<'_> {
         0.5 * Real::EPSILON * largest * sum.sqrt()
     }
 
+    /// By how much (J) rounding of large terms that cancel may change the value at `x`.
+    pub(super) fn value_rounding(&self, x: &[Vec3]) -> Real {
+        self.damper.map_or(0.0, |damper| damper.rounding(x))
+    }
+
     /// Writes the exact second derivative times `p` to `out`.
     pub(super) fn hessian_product_into(&self, x: &[Vec3], p: &[Vec3], out: &mut [Vec3]) {
         let g = &self.potential;

@@ -281,3 +281,61 @@ fn damping_that_is_negative_or_not_finite_is_refused() {
         }
     }
 }
+
+/// [`Damping`]: what K half-way costs a turn in a step of second order, and that K at the end costs it nothing.
+#[test]
+fn damping_of_second_order_brakes_turns_that_are_not_resolved() {
+    let (particles, springs, rest) = turning();
+    let middle = rest.positions.iter().sum::<Vec3>() / rest.positions.len() as Real;
+    let loss = |omega: Real, stiffness, is_bdf2| {
+        let damping = Damping {
+            stiffness,
+            ..Damping::default()
+        };
+        let config = ImplicitConfig {
+            damping,
+            tolerance: 1e-9,
+            ..ImplicitConfig::default()
+        };
+        let mut solver: Box<dyn Stepper> = match is_bdf2 {
+            true => Box::new(solver!(Bdf2, &particles, springs.clone(), config)),
+            false => Box::new(solver!(
+                ImplicitMidpoint,
+                &particles,
+                springs.clone(),
+                config
+            )),
+        };
+        let mut state = rest.clone();
+        for (x, v) in state.positions.iter().zip(&mut state.velocities) {
+            *v = Vec3::new(0.0, 0.0, omega).cross(&(x - middle));
+        }
+        let spin = |state: &State| -> Real {
+            let of = |v: usize| {
+                let arm = state.positions[v] - middle;
+                particles.mass()[v] * arm.cross(&state.velocities[v]).z
+            };
+            (0..particles.len()).map(of).sum()
+        };
+        let before = spin(&state);
+        for _ in 0..60 {
+            solver.step(&mut state, StepInput::new(1.0 / 60.0)).unwrap();
+        }
+        1.0 - spin(&state) / before
+    };
+    for (is_bdf2, omega, expected) in [
+        (true, 1.0, 0.0..=0.0004),
+        (true, 3.0, 0.07..=0.08),
+        (true, 6.0, 0.5..=0.6),
+        (false, 1.0, 0.0..=1e-8),
+        (false, 3.0, 0.0..=1e-6),
+        (false, 6.0, 0.35..=0.4),
+    ] {
+        let found = loss(omega, 0.01, is_bdf2);
+        assert!(
+            expected.contains(&found),
+            "BDF2 {is_bdf2}, {omega} rad/s: {found:e}"
+        );
+    }
+    assert!((loss(1.0, 0.0, true) - 3.5e-4).abs() < 1e-5);
+}

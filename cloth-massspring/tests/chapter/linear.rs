@@ -124,3 +124,39 @@ fn every_iterative_solver_solves_the_linearised_step_too() {
         assert_eq!(report.linear_solves, 1);
     }
 }
+
+/// A linearised step of a cloth that moves along with its pins is that of one at rest: with the pins ahead of the cloth
+/// where it is linearised, springs at them were strained by the way of a step.
+#[test]
+fn linearised_steps_do_not_feel_a_common_velocity() {
+    let (mesh, model) = hang(9);
+    let velocity = Vec3::new(3.0, -2.0, 1.0);
+    let dt = 1.0 / 60.0;
+    let end = |v: Vec3, linear| {
+        let config = ImplicitConfig {
+            linear,
+            ..ImplicitConfig::linearized()
+        };
+        let mut solver = solver!(
+            ImplicitEuler,
+            &model.particles,
+            model.springs.clone(),
+            config
+        );
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        state.velocities.fill(v);
+        for _ in 0..30 {
+            let input = StepInput::new(dt).gravity(DOWN);
+            solver.step(&mut state, input).unwrap();
+        }
+        state.positions
+    };
+    for linear in [ImplicitConfig::linearized().linear, LinearMethod::Cholesky] {
+        let carried = end(velocity, linear)
+            .iter()
+            .map(|x| x - velocity * (30.0 * dt))
+            .collect::<Vec<_>>();
+        let difference = largest_difference(&carried, &end(Vec3::zeros(), linear));
+        assert!(difference < 1e-5, "{linear:?}: {difference:e}");
+    }
+}

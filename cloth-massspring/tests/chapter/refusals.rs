@@ -177,3 +177,31 @@ fn settings_out_of_range() {
         .unwrap_err();
     assert!(matches!(error, BuildError::NoSuchVertex { vertex: 9, .. }));
 }
+
+#[test]
+fn there_is_no_step_after_the_last_number() {
+    let (particles, springs, positions) = chain(2, 10.0);
+    let mut state = State::at_rest(positions);
+    state.steps = u64::MAX;
+    for solver in &mut all(&particles, &springs) {
+        let error = refused(solver.as_mut(), &state, StepInput::new(0.01));
+        let told = error.to_string();
+        assert_eq!(told, "the number of the next step is not finite");
+    }
+}
+
+/// Beyond what can be set there is no advice.
+#[test]
+fn steps_that_no_number_of_substeps_makes_stable() {
+    let told = |dt| StepError::Unstable {
+        dt,
+        stable_dt: 0.01,
+        step: 1,
+    };
+    assert!(told(0.05).to_string().contains("at least 5 times as many"));
+    assert!(
+        told(1e9)
+            .to_string()
+            .ends_with("no number of substeps makes up for that")
+    );
+}

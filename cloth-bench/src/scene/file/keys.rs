@@ -267,7 +267,8 @@ const CONTACT: &[&[Parameter]] = &[Surface::PARAMETERS, Contact::PARAMETERS];
 /// Below a `[[mesh]]`.
 pub(super) const MESH_CLOTH: SectionInfo = SectionInfo {
     head: "[mesh.cloth]",
-    about: "below a [[mesh]]: what is different of the material of this piece, which --set leaves as it is",
+    about: "below a [[mesh]]: what is different of the material of this piece, which --set leaves as it is; its modulus \
+            or stiffness takes the place of either in [cloth]",
     keys: CLOTH,
 };
 

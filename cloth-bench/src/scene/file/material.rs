@@ -9,6 +9,9 @@ use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::method::ordering::Order;
 
+/// Keys of which one can be given: that of a piece takes the place of either in `[cloth]`.
+const ALTERNATIVES: [[&str; 2]; 2] = [["modulus", "stiffness"], ["slack", "compression"]];
+
 /// The material of each vertex; pieces share none.
 pub(super) struct Material {
     /// Of every piece that has one of its own, after that of all others.
@@ -38,7 +41,13 @@ impl Material {
                     return Err(section.refuse_table("has no meaning for a solid"));
                 }
                 place = Some(settings.len());
-                settings.push(section.settings(common.clone()));
+                let own = section.settings(Settings::default());
+                let replaced = ALTERNATIVES.as_flattened().iter().filter(|key| {
+                    let pair = ALTERNATIVES.iter().find(|pair| pair.contains(key));
+                    pair.is_some_and(|pair| pair.iter().any(|key| own.get(key).is_some()))
+                });
+                let left = replaced.fold(common.clone(), |left, key| left.without(key));
+                settings.push(section.settings(left));
             }
             of_vertex.extend(std::iter::repeat_n(place, *count));
         }

@@ -8,7 +8,9 @@ use std::borrow::Cow;
 /// joined.
 pub(super) fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..).zip(text.lines());
+    // Old files of the Mac have CR alone; that of CR LF is a blank like others.
+    let end = if text.contains('\n') { '\n' } else { '\r' };
+    let mut lines = (1..).zip(text.split(end));
     std::iter::from_fn(move || {
         let (number, line) = lines.next()?;
         let (first, mut continued) = code_of(line);
@@ -59,22 +61,15 @@ pub(super) fn position<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec3,
     }
 }
 
-/// Vertex number, from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn` when `vertex_count`
+/// Vertex number, from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, or with slashes that nothing follows, when `vertex_count`
 /// vertices have been read; a positive one may lie beyond them.
 pub(super) fn corner(word: &str, vertex_count: usize) -> Result<u32, ObjProblem> {
     let malformed = || ObjProblem::NotAnIndex(word.to_owned());
     let mut parts = word.split('/');
     let vertex = parts.next().unwrap_or_default();
     let index: i64 = vertex.parse().map_err(|_| malformed())?;
-    let others = parts.collect::<Vec<_>>();
-    let is_index = |part: &&str| part.parse::<i64>().is_ok_and(|i| i != 0);
-    let well_formed = match others.as_slice() {
-        [] => true,
-        [texture] => is_index(texture),
-        [texture, normal] => (texture.is_empty() || is_index(texture)) && is_index(normal),
-        _ => false,
-    };
-    if !well_formed {
+    let is_index = |part: &str| part.is_empty() || part.parse::<i64>().is_ok_and(|i| i != 0);
+    if !(parts.by_ref().take(2).all(is_index) && parts.next().is_none()) {
         return Err(malformed());
     }
     let found = match index {

@@ -143,3 +143,22 @@ fn there_is_no_force_before_the_first_step_and_after_one_that_failed() {
     solver.vertex_forces_into(&mut forces);
     assert_eq!(forces, [Vec3::zeros(); 3]);
 }
+
+/// A step that is refused at once leaves what is known of the last one.
+#[test]
+fn forces_outlast_a_step_that_is_refused() {
+    let chain = Chain::of(4, 0.05, 0.1, 80.0);
+    let mut solver = solver(&chain, iterations(3));
+    let mut state = State::at_rest(chain.positions.clone());
+    let mut told = |solver: &XpbdSolver, state: &State| {
+        let mut forces = vec![Vec3::zeros(); 5];
+        solver.vertex_forces_into(&mut forces);
+        (forces, solver.compliance_residual(&state.positions))
+    };
+    let input = |dt| StepInput::new(dt).gravity(GRAVITY);
+    solver.step(&mut state, input(0.01)).unwrap();
+    let before = told(&solver, &state);
+    assert!(before.0[0].norm() > 0.0 && before.1 > 0.0);
+    solver.step(&mut state, input(Real::NAN)).unwrap_err();
+    assert_eq!(told(&solver, &state), before);
+}
