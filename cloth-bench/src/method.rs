@@ -61,6 +61,8 @@ enum Kind {
 /// More parts of a step than this are a slip of the pen, and more than these are worth a note.
 const MOST_SUBSTEPS: Real = 1e6;
 const MANY_SUBSTEPS: u32 = 500;
+/// How many times as many substeps as were chosen are worth a note.
+const MANY_TIMES: u32 = 3;
 /// Fraction of the steps with truncated vertices that is worth a warning.
 const TRUNCATED: Real = 0.1;
 /// Strain at the end of a run of which sweeps may have left a part that is worth a warning: more than their number is
@@ -204,6 +206,28 @@ impl Method {
                 "{} takes {count} substeps a step here: stiff, light or heavily loaded cloth needs them; the steps of \
                  implicit-euler and pd do not depend on that",
                 self.name
+            )
+        }))
+    }
+
+    /// A note on a run of which most steps took many more substeps than the rule had chosen.
+    pub(crate) fn refinement_note(
+        &self,
+        (scene, settings, dt): (&Scene, &Settings, Real),
+        summary: &Summary,
+    ) -> Result<Option<String>, BenchError> {
+        if !matches!(self.kind, Kind::Xpbd) || summary.refinements == 0 {
+            return Ok(None);
+        }
+        let config = position_based::xpbd(settings, self.substeps(scene, settings, dt)?)?;
+        let times = summary.iterations_per_step / (config.substeps * config.iterations).max(1);
+        Ok((times >= MANY_TIMES).then(|| {
+            format!(
+                "half of the steps took {times} times the {} substeps that the mesh asks for, or more: with fewer they \
+                 would have gained energy, by more than {} of what there is (`--set energy_gain=none` lets them; the \
+                 steps of implicit-euler and pd do not depend on that)",
+                config.substeps,
+                config.energy_gain.unwrap_or_default()
             )
         }))
     }

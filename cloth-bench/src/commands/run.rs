@@ -434,6 +434,9 @@ fn simulate(
         summary.pinch_warning(),
         summary.held_inside.clone(),
     ];
+    if let Some(note) = method.refinement_note((&scene, settings, dt), &summary)? {
+        eprintln!("note: {note}");
+    }
     let crossings = crossing_warnings(start, &summary, seen.as_ref())?;
     for warning in warnings.into_iter().flatten().chain(crossings) {
         eprintln!("warning: {warning}");

@@ -20,7 +20,7 @@ crate::settings! {
         density: Real = 0.2 "kg/m²" in Above(0.0), "areal density";
         modulus: Option<Real> = "none" "N/m",
             "membrane modulus Y in the place of the stiffness of springs, or none; springs have it in the mean over all \
-             directions, and triangles on every mesh";
+             directions, and a quarter less on irregular meshes, whose vertices give way; triangles on every mesh";
         membrane: MembraneName = "springs",
             "elements that resist stretching: springs, stvk or arap; triangles get the modulus that springs of the \
              given stiffness have";

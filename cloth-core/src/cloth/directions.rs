@@ -20,7 +20,8 @@ const FILLER: Real = 1e-4;
 /// Equal springs of length L along n, n nᵀ written as a vector, have the stiffness `C = Σ k L² (n nᵀ)(n nᵀ)ᵀ/A` in the
 /// mean over the mesh, and along n Young's modulus `1/(n nᵀ·C⁻¹ n nᵀ)`. It is compared with that of the isotropic sheet
 /// in the place of every triangle, so that the mesh may be curved. Exact on a plane where all vertices move as the mean
-/// strain says; springs of an irregular mesh are somewhat softer in all directions.
+/// strain says; springs of an irregular mesh are a quarter softer in all directions
+/// ([`Membrane::Modulus`](super::Membrane::Modulus)).
 ///
 /// [`Piece::directional_moduli`]: super::Piece::directional_moduli
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use crate::element_checks::{
     balanced, convex_choices_are_convex, derivatives_agree, is_invariant, largest, noise, shape,
 };
 use cloth_core::check;
+use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::element::{Convexity, Energy};
 use cloth_core::energy::{ArapTriangle, StvkTriangle};
 use cloth_core::math::{Real, Vec3};
@@ -181,5 +182,76 @@ fn an_affine_stretch_leaves_inner_vertices_in_equilibrium() {
         let inner = (0..count).filter(|&v| !rim.contains(&(v as u32)));
         assert!(inner.map(|v| gradient[v].norm()).fold(0.0, Real::max) < 1e-12);
         assert!(gradient.iter().map(Vec3::norm).fold(0.0, Real::max) > 0.1);
+    }
+}
+
+/// Of what springs of a modulus would store in even strain, the part that is left once the inner vertices have given
+/// way, along with the boundary that is held: `E − ½ gᵀ K⁻¹ g`, by conjugate gradients.
+fn share_of_the_modulus(mesh: &TriMesh, strain: Vec3) -> Real {
+    let cloth = Cloth {
+        areal_density: 0.2,
+        membrane: Membrane::Modulus(1e3),
+        bending_rigidity: 0.0,
+    };
+    let springs = cloth.on(mesh).unwrap().energies().unwrap();
+    let (rest, eps) = (mesh.positions(), 1e-6);
+    let x: Vec<Vec3> = rest
+        .iter()
+        .map(|x| x + x.component_mul(&strain) * eps)
+        .collect();
+    let is_inner = |x: &Vec3| [x.x, x.y].iter().all(|c| (1e-9..1.0 - 1e-9).contains(c));
+    let dot = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<Real>();
+    // In the plane and inside.
+    let project = |mut f: Vec<Vec3>| {
+        for (f, x) in f.iter_mut().zip(rest) {
+            *f = if is_inner(x) {
+                Vec3::new(f.x, f.y, 0.0)
+            } else {
+                Vec3::zeros()
+            };
+        }
+        f
+    };
+    let mut r = vec![Vec3::zeros(); rest.len()];
+    let stored = springs.add_gradient(&x, &mut r);
+    let gradient = project(r);
+    let (mut r, mut y) = (gradient.clone(), vec![Vec3::zeros(); rest.len()]);
+    let (mut p, first) = (r.clone(), dot(&r, &r));
+    let mut square = first;
+    while square > 1e-16 * first && first > 1e-20 {
+        let mut product = vec![Vec3::zeros(); rest.len()];
+        springs.add_hessian_product(rest, &p, Convexity::GaussNewton, &mut product);
+        let product = project(product);
+        let length = square / dot(&p, &product);
+        for v in 0..rest.len() {
+            y[v] += p[v] * length;
+            r[v] -= product[v] * length;
+        }
+        let next = dot(&r, &r);
+        for v in 0..rest.len() {
+            p[v] = r[v] + p[v] * (next / square);
+        }
+        square = next;
+    }
+    // An isotropic sheet of Poisson's ratio 1/3.
+    let [a, b] = [strain.x, strain.y];
+    let law = 0.5 * 1e3 * 9.0 / 8.0 * (a * a + b * b + 2.0 / 3.0 * a * b) * eps * eps;
+    (stored - 0.5 * dot(&gradient, &y)) / law
+}
+
+/// [`Membrane::Modulus`]: what springs have of it on an irregular mesh, however fine.
+#[test]
+fn springs_of_a_modulus_give_way_on_an_irregular_mesh() {
+    let grid = generate::grid(17, 17, 1.0, 1.0, generate::Diagonals::Alternating).unwrap();
+    for (strain, expected) in [
+        (Vec3::new(1.0, 1.0, 0.0), 0.715..0.745),
+        (Vec3::new(1.0, 0.0, 0.0), 0.75..0.775),
+    ] {
+        assert!((share_of_the_modulus(&grid, strain) - 1.0).abs() < 1e-5);
+        for n in [17, 33, 65] {
+            let mesh = generate::irregular(n, 1.0, 1.0, 1).unwrap();
+            let share = share_of_the_modulus(&mesh, strain);
+            assert!(expected.contains(&share), "{n}, {strain}: {share}");
+        }
     }
 }

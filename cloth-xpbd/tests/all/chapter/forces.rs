@@ -149,8 +149,8 @@ fn there_is_no_force_before_the_first_step_and_after_one_that_failed() {
 fn forces_outlast_a_step_that_is_refused() {
     let chain = Chain::of(4, 0.05, 0.1, 80.0);
     let mut solver = solver(&chain, iterations(3));
-    let mut state = State::at_rest(chain.positions.clone());
-    let mut told = |solver: &XpbdSolver, state: &State| {
+    let mut state = chain.at_rest();
+    let told = |solver: &XpbdSolver, state: &State| {
         let mut forces = vec![Vec3::zeros(); 5];
         solver.vertex_forces_into(&mut forces);
         (forces, solver.compliance_residual(&state.positions))
