@@ -228,3 +228,51 @@ fn a_method_that_gains_energy_in_contact_says_so() {
     assert!(!warned("hang", "implicit-midpoint"));
     assert!(!warned("drape-sphere", "bdf2"));
 }
+
+/// Steps that are refined cost many times what the rule for substeps says: the run says so, and by how much.
+#[test]
+fn a_run_whose_steps_were_refined_says_what_that_costs() {
+    let folder = folder("refined");
+    let towel = "dt = 0.01\n[[mesh]]\ngenerator = \"irregular:9\"\nscale = [0.7, 0.5, 1]\n\
+        rotate = [1.5707963267948966, 0, 0]\ntranslate = [-0.35, 0.03, 0]\n[cloth]\ndensity = 0.5\nstiffness = 8e3\n\
+        rigidity = 1e-4\n[[pins]]\nbox = [[-0.03, -1, 0.49], [0.03, 1, 0.6]]\n[contact]\nself = true\n";
+    let towel = file(&folder, "towel.toml", towel);
+    let told = |gain: &str| {
+        let output = program(&[
+            "run", &towel, "--method", "xpbd", "--steps", "12", "--set", gain,
+        ]);
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let refined = told("energy_gain=auto");
+    assert!(
+        refined.contains("note: half of the steps took 4 times the 33 substeps"),
+        "{refined}"
+    );
+    assert!(!told("energy_gain=none").contains("half of the steps"));
+}
+
+/// A modulus that springs do not have on a mesh is told; where they have it, or triangles do, nothing is.
+#[test]
+fn a_modulus_that_springs_do_not_have_is_told() {
+    let folder = folder("modulus");
+    for (mesh, cloth, is_told) in [
+        ("irregular:9", "modulus = 1000", true),
+        ("irregular:9", "modulus = 1000\nmembrane = \"arap\"", false),
+        ("irregular:9", "stiffness = 1000", false),
+        ("grid:9x9:alternating", "modulus = 1000", false),
+        ("equilateral:9x9", "modulus = 1000", false),
+        ("tube:16x8", "modulus = 1000", false),
+        ("sphere:3", "modulus = 1000", false),
+    ] {
+        let scene = format!("[[mesh]]\ngenerator = \"{mesh}\"\n[cloth]\n{cloth}\n");
+        let scene = file(&folder, "modulus.toml", scene);
+        let output = program(&["run", &scene, "--method", "implicit-euler", "--steps", "1"]);
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(
+            told.contains("give way"),
+            is_told,
+            "{mesh}, {cloth}: {told}"
+        );
+    }
+}
