@@ -106,9 +106,8 @@ const NO_TIME: Real = 1e-12;
 /// Contact has a state of its own: where bodies are, how far friction is stretched, what is known to be free of
 /// crossings. A cloth that is put back alone would meet bodies elsewhere: with moving ones, a state of another time is
 /// refused ([`ContactError::WrongTime`]). A clone is a snapshot: restored together with the state, it repeats the same
-/// steps bit for bit. [`take_back`](Self::take_back) undoes the last step, and
-/// [`begins_at`](PotentialBuilder::begins_at) builds contact anew for a later time. A method may have a memory too
-/// ([`Stepper::step`](cloth_core::step::Stepper::step)).
+/// steps bit for bit. [`take_back`](Self::take_back) undoes the last step; [`begins_at`](PotentialBuilder::begins_at)
+/// is for a later time. A method may have a memory too ([`Stepper::step`](cloth_core::step::Stepper::step)).
 #[derive(Clone, Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
@@ -381,12 +380,11 @@ impl PotentialContacts {
             surfaces.clock.advance(surfaces.time - surfaces.begun);
             surfaces.begun = surfaces.time;
         }
-        let surfaces = &mut self.surfaces;
         if begins_to_move {
             self.contacts.start_free_bodies(step, to);
         }
-        self.contacts.near.bodies_rest = surfaces.place(&self.contacts.bodies, step.dt);
-        surfaces.put(step, to);
+        self.contacts.near.bodies_rest = self.surfaces.place(&self.contacts.bodies, step.dt);
+        self.surfaces.put(step, to);
         Ok(())
     }
 }
