@@ -216,7 +216,7 @@ impl Method {
         (scene, settings, dt): (&Scene, &Settings, Real),
         summary: &Summary,
     ) -> Result<Option<String>, BenchError> {
-        if !matches!(self.kind, Kind::Xpbd) || summary.refinements == 0 {
+        if !matches!(self.kind, Kind::Xpbd) || summary.iterations_per_step <= MANY_SUBSTEPS {
             return Ok(None);
         }
         let config = position_based::xpbd(settings, self.substeps(scene, settings, dt)?)?;

@@ -233,7 +233,7 @@ fn a_method_that_gains_energy_in_contact_says_so() {
 #[test]
 fn a_run_whose_steps_were_refined_says_what_that_costs() {
     let folder = folder("refined");
-    let towel = "dt = 0.01\n[[mesh]]\ngenerator = \"irregular:9\"\nscale = [0.7, 0.5, 1]\n\
+    let towel = "dt = 0.02\n[[mesh]]\ngenerator = \"irregular:17\"\nscale = [0.7, 0.5, 1]\n\
         rotate = [1.5707963267948966, 0, 0]\ntranslate = [-0.35, 0.03, 0]\n[cloth]\ndensity = 0.5\nstiffness = 8e3\n\
         rigidity = 1e-4\n[[pins]]\nbox = [[-0.03, -1, 0.49], [0.03, 1, 0.6]]\n[contact]\nself = true\n";
     let towel = file(&folder, "towel.toml", towel);
@@ -246,7 +246,7 @@ fn a_run_whose_steps_were_refined_says_what_that_costs() {
     };
     let refined = told("energy_gain=auto");
     assert!(
-        refined.contains("note: half of the steps took 4 times the 33 substeps"),
+        refined.contains("note: half of the steps took 7 times the 123 substeps"),
         "{refined}"
     );
     assert!(!told("energy_gain=none").contains("half of the steps"));
