@@ -245,9 +245,9 @@ impl Settings {
         self
     }
 
-    /// The same settings without those of a key.
-    pub(crate) fn without(mut self, key: &str) -> Self {
-        self.given.retain(|entry| entry.key != key);
+    /// The same settings without those of some keys.
+    pub(crate) fn without(mut self, keys: &[&str]) -> Self {
+        self.given.retain(|entry| !keys.contains(&&*entry.key));
         self
     }
 

@@ -178,9 +178,9 @@ fn used<const N: usize>(elements: &[[u32; N]], vertex_count: usize) -> Vec<bool>
     used
 }
 
-/// The first pair of triangles on the same three vertices, whatever their winding.
-fn duplicate(triangles: &[[u32; 3]]) -> Option<[usize; 2]> {
-    let mut keyed: Vec<([u32; 3], usize)> = triangles
+/// The first pair of elements on the same vertices, whatever their winding.
+fn duplicate<const N: usize>(elements: &[[u32; N]]) -> Option<[usize; 2]> {
+    let mut keyed: Vec<([u32; N], usize)> = elements
         .iter()
         .enumerate()
         .map(|(index, &corners)| {

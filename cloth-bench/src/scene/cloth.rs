@@ -134,8 +134,8 @@ pub(super) fn hints(piece: &Piece, mesh: &TriMesh) -> Vec<String> {
     all.into_iter().flatten().collect()
 }
 
-/// What pulls at a vertex along the cloth in even strain, over the sum of all pulls there (dimensionless): the median. It is zero where
-/// edges lie alike on both sides, and vertices move as the mean strain says.
+/// What pulls at a vertex along the cloth in even strain, over the sum of all pulls there (dimensionless): the median.
+/// It is zero where edges lie alike on both sides, and vertices move as the mean strain says.
 fn imbalance(piece: &Piece, mesh: &TriMesh) -> Real {
     let Ok(model) = ClothModel::of_pieces(mesh, std::slice::from_ref(piece), &[]) else {
         return 0.0;

@@ -11,8 +11,8 @@ impl Scene {
     /// wind, masses beside its own and bodies that come to hang in it, as far as they are more than its own weight.
     ///
     /// A force F goes through the edges at the vertices on which it acts, and through those at the vertices that are
-    /// held. If the fewer of them are n, and edges are l long, that is `F/(n l)`. Cloth that is held whole may be let go
-    /// later.
+    /// held. If the fewer of them are n, and edges are l long, that is `F/(n l)`. Cloth that is held whole counts as
+    /// loaded whole: it may be let go later.
     pub fn lasting_tension(&self) -> Result<Real, BenchError> {
         let x = &self.start.positions;
         let gases = self.gases.iter().map(|gas| gas.tension(x));

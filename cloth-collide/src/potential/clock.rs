@@ -54,8 +54,8 @@ impl Clock {
 }
 
 impl PotentialContacts {
-    /// Takes the last step back: the next one begins where that has begun, with bodies as they were there, and of a method
-    /// that minimises friction too. The positions of the cloth are the caller's.
+    /// Takes the last step back: the next one begins where that has begun, with bodies as they were there, and of a
+    /// method that minimises friction too. The positions of the cloth are the caller's.
     pub fn take_back(&mut self) {
         if !std::mem::replace(&mut self.contacts.is_open, true) {
             self.contacts.tangential.take_back();

@@ -1,6 +1,6 @@
 //! The rest shape of a solid: tetrahedra, and the surface around them.
 
-use super::{MeshError, TriMesh, check, used};
+use super::{MeshError, TriMesh, check, duplicate, used};
 use crate::math::{Real, Vec3, gather};
 use crate::topology::EdgeTable;
 
@@ -25,8 +25,8 @@ impl TetMesh {
     ///
     /// # Errors
     /// The first [`MeshError`] met: a position that is not finite, a tetrahedron that names a vertex that does not
-    /// exist or one twice, has no volume to rounding, has the vertices of another one, or is the third at one of its faces; a vertex that is in none;
-    /// a surface that meets itself along an edge; no tetrahedron at all.
+    /// exist or one twice, has no volume to rounding, has the vertices of another one, or is the third at one of its
+    /// faces; a vertex that is in none; a surface that meets itself along an edge; no tetrahedron at all.
     pub fn new(positions: Vec<Vec3>, mut tetrahedra: Vec<[u32; 4]>) -> Result<Self, MeshError> {
         let is_finite = crate::math::is_finite;
         if let Some(vertex) = positions.iter().position(|x| !is_finite(x)) {
@@ -57,7 +57,7 @@ impl TetMesh {
                 corners.swap(2, 3);
             }
         }
-        if let Some(tetrahedron) = repeated(&tetrahedra) {
+        if let Some([_, tetrahedron]) = duplicate(&tetrahedra) {
             return Err(MeshError::BadTetrahedron {
                 tetrahedron,
                 corners: tetrahedra[tetrahedron],
@@ -94,19 +94,6 @@ impl TetMesh {
     pub fn into_parts(self) -> (TriMesh, Vec<[u32; 4]>) {
         (self.surface, self.tetrahedra)
     }
-}
-
-/// A tetrahedron that has the vertices of one before it.
-fn repeated(tetrahedra: &[[u32; 4]]) -> Option<usize> {
-    let sorted = tetrahedra.iter().enumerate().map(|(tetrahedron, corners)| {
-        let mut key = *corners;
-        key.sort_unstable();
-        (key, tetrahedron)
-    });
-    let mut keyed: Vec<_> = sorted.collect();
-    keyed.sort_unstable();
-    let same = keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0);
-    same.map(|pair| pair[1].1).min()
 }
 
 /// The faces that one tetrahedron alone has, in the order of the tetrahedra.

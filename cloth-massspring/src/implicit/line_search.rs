@@ -28,8 +28,8 @@ use crate::stability::dot;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 
-/// `G` may rise by this fraction of itself, and by the rounding of terms that cancel in it, where the slopes show that the minimum comes nearer: two values of `G` that
-/// differ by less cannot be told apart (see [`search`]).
+/// `G` may rise by this fraction of itself, and by the rounding of terms that cancel in it, where the slopes show that
+/// the minimum comes nearer: two values of `G` that differ by less cannot be told apart (see [`search`]).
 const ROUNDING: Real = 1e-10;
 /// In that case the slope at the new point may be at most this fraction of the size of the first, the approximate Wolfe
 /// condition `φ′(α) ≤ (1 − 2c) |φ′(0)|` with c = 0.1: stricter than [`ARMIJO`]'s c, which would let through steps to

@@ -42,12 +42,13 @@ impl Material {
                 }
                 place = Some(settings.len());
                 let own = section.settings(Settings::default());
-                let replaced = ALTERNATIVES.as_flattened().iter().filter(|key| {
-                    let pair = ALTERNATIVES.iter().find(|pair| pair.contains(key));
-                    pair.is_some_and(|pair| pair.iter().any(|key| own.get(key).is_some()))
-                });
-                let left = replaced.fold(common.clone(), |left, key| left.without(key));
-                settings.push(section.settings(left));
+                let mut inherited = common.clone();
+                for pair in ALTERNATIVES {
+                    if pair.iter().any(|key| own.get(key).is_some()) {
+                        inherited = inherited.without(&pair);
+                    }
+                }
+                settings.push(section.settings(inherited));
             }
             of_vertex.extend(std::iter::repeat_n(place, *count));
         }

@@ -61,8 +61,8 @@ pub(super) fn position<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec3,
     }
 }
 
-/// Vertex number, from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, or with slashes that nothing follows, when `vertex_count`
-/// vertices have been read; a positive one may lie beyond them.
+/// Vertex number, from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, also with slashes that nothing follows, when
+/// `vertex_count` vertices have been read; a positive one may lie beyond them.
 pub(super) fn corner(word: &str, vertex_count: usize) -> Result<u32, ObjProblem> {
     let malformed = || ObjProblem::NotAnIndex(word.to_owned());
     let mut parts = word.split('/');
